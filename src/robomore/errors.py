@@ -1,0 +1,54 @@
+"""Every error that a user can meet, each with one line that names the value, the range and the remedy."""
+
+from __future__ import annotations
+
+
+class RoboMoReError(Exception):
+    """Base of all errors that RoboMoRe raises on purpose."""
+
+
+class InputError(RoboMoReError):
+    """The user asked for something that cannot be done; nothing was started and nothing was lost.
+
+    The command line prints it as one line and exits with status 2.
+    """
+
+
+class InvalidMorphology(InputError):
+    """Parameters that the task refuses: wrong count, out of bounds, or against one of its rules."""
+
+
+class InvalidReward(InputError):
+    """A reward text that does not parse, or does not define `_get_rew(self, x_velocity, action)`."""
+
+
+class RunFolderError(InputError):
+    """A run folder that cannot be used: unwritable, damaged, of another task, or in use."""
+
+
+class LedgerError(RoboMoReError):
+    """The ledger is damaged or was written by a newer version."""
+
+
+class ProposalFailed(RoboMoReError):
+    """A designer could not fill a slot; the message says why. The search asks for a fresh proposal."""
+
+
+class BudgetExhausted(RoboMoReError):
+    """A request, token or cost budget is spent; the run stops cleanly and can be resumed."""
+
+
+class Interrupted(RoboMoReError):
+    """The user stopped the run (Ctrl-C); everything finished so far is in the ledger."""
+
+
+class RewardFailed(RoboMoReError):
+    """A designer's reward raised, or returned something that is not a finite number, while training.
+
+    The message is the diagnosis that goes back to the designer: what happened, in which line, and in
+    which state.
+    """
+
+
+class UnstableSimulation(RoboMoReError):
+    """The physics diverged (a warning of MuJoCo or a non-finite state)."""

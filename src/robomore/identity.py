@@ -1,0 +1,41 @@
+"""Content keys and seeds: what makes parallel equal serial, and a resumed run an uninterrupted one."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import msgspec
+
+from robomore.types import Job
+
+
+def content_key(*parts: Any) -> str:
+    """Return 24 hex digits that depend on the content of `parts` and on nothing else.
+
+    Args:
+        parts: anything msgspec encodes (numbers, strings, lists, dicts, dataclasses).
+    """
+    canonical = msgspec.json.encode(parts, order="deterministic")
+    return hashlib.sha256(canonical).hexdigest()[:24]
+
+
+def derive_seed(*parts: Any) -> int:
+    """Return a seed in [0, 2^31) from the content of `parts`, never from order or time."""
+    return int(content_key("seed", *parts), 16) % 2**31
+
+
+def job_key(job: Job, versions: dict[str, str]) -> str:
+    """Key of an evaluation: the job without its limits, and the versions that change its numbers.
+
+    A one-line idea describes a design and does not change it, so it is no part of the key.
+    """
+    design = (job.design.morphology.parameters, job.design.reward.source)
+    trainer = (job.trainer.name, job.trainer.options)
+    return content_key(job.task, design, trainer, job.steps, job.episodes, job.seed, versions)
+
+
+def training_key(job: Job, versions: dict[str, str]) -> str:
+    """Key of a training run whatever its budget: what a checkpoint is continued under."""
+    design = (job.design.morphology.parameters, job.design.reward.source)
+    return content_key(job.task, design, (job.trainer.name, job.trainer.options), job.seed, versions)

@@ -1,0 +1,41 @@
+"""Volumes of the solids that MuJoCo robots are made of."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Capsule:
+    """A cylinder with a half sphere on each end.
+
+    Attributes:
+        radius: in m.
+        length: of the cylinder between the half spheres' centres, in m.
+        count: how many of them the robot has.
+    """
+
+    radius: float
+    length: float
+    count: int = 1
+
+    @property
+    def volume(self) -> float:
+        """In m^3: count * pi r^2 (length + 4 r / 3)."""
+        return self.count * math.pi * self.radius**2 * (self.length + 4 * self.radius / 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """A ball of `radius` m."""
+
+    radius: float
+
+    @property
+    def volume(self) -> float:
+        """In m^3: 4/3 pi r^3."""
+        return 4 / 3 * math.pi * self.radius**3
+
+
+Shape = Capsule | Sphere

@@ -1,0 +1,192 @@
+"""A task as one frozen value: the robot with free dimensions, and what is to be done with it.
+
+No MuJoCo here: reading a task, checking parameters, filling the MJCF template and computing the
+volume cost nothing and work on a machine without a simulator.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from robomore.errors import InvalidMorphology
+from robomore.tasks.geometry import Shape
+from robomore.tasks.template import fill
+
+Values = Mapping[str, float]
+"""Parameters by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One free dimension of a robot.
+
+    Attributes:
+        name: as it stands in the template and in parameter files.
+        low: smallest allowed value, in `unit`.
+        high: largest allowed value, in `unit`.
+        human: value of the official robot (never shown to a designer).
+        meaning: one line for designers and people.
+        unit: SI unit.
+        scale: how a search should step through the range; `log` for sizes that span decades.
+    """
+
+    name: str
+    low: float
+    high: float
+    human: float
+    meaning: str
+    unit: str = "m"
+    scale: Literal["linear", "log"] = "linear"
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A condition between parameters, in words and as code.
+
+    Attributes:
+        text: the condition in words, shown to designers.
+        violation: returns `None`, or what is wrong with these values, naming them.
+    """
+
+    text: str
+    violation: Callable[[Values], str | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Terrain:
+    """A generated height field (paper, Appendix "Robustness across Different Terrains").
+
+    Attributes:
+        seed: of the noise.
+        height: highest elevation, in m.
+        half_correlation: distance at which the elevation's correlation falls to one half, in m.
+        slope: root-mean-square slope.
+        mean: mean elevation as a fraction of `height`.
+        deviation: standard deviation of the elevation as a fraction of `height`.
+        friction: sliding friction, which takes priority over the robot's own.
+    """
+
+    seed: int
+    height: float
+    half_correlation: float
+    slope: float
+    mean: float
+    deviation: float
+    friction: float
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What is to be done, and the parametrised robot that is to do it.
+
+    Attributes:
+        id: name on the command line, e.g. `ant-desert`.
+        version: raised when a change makes old results incomparable.
+        title: name in reports.
+        description: the task in words, shown to designers.
+        fitness: `distance` (forward distance of the torso over an episode, in m) or `height`
+            (highest torso height in an episode, in m).
+        template: MJCF text whose `{...}` placeholders are arithmetic over parameter names and
+            `constants`. The same text, unfilled, is what a designer sees.
+        parameters: the free dimensions, in order.
+        rules: conditions between parameters.
+        shapes: the solids that make up the robot, for its volume.
+        reward: source of the reference reward, `_get_rew(self, x_velocity, action)`.
+        environment: `module:Class` of the environment (loaded only when something is simulated).
+        options: constructor options of the environment, some of which depend on the body.
+        constants: fixed numbers that the template refers to (never parameters).
+        terrain: height field to run on, or `None` for flat ground.
+        episode_steps: control steps of a full episode.
+    """
+
+    id: str
+    title: str
+    description: str
+    fitness: Literal["distance", "height"]
+    template: str
+    parameters: tuple[Parameter, ...]
+    shapes: Callable[[Values], tuple[Shape, ...]]
+    reward: str
+    environment: str
+    options: Callable[[Values], dict[str, Any]] = field(default=lambda values: {})
+    rules: tuple[Rule, ...] = ()
+    constants: Mapping[str, float] = field(default_factory=dict)
+    terrain: Terrain | None = None
+    episode_steps: int = 1000
+    version: int = 1
+
+    @property
+    def human(self) -> tuple[float, ...]:
+        """Parameters of the official robot, in the task's order."""
+        return tuple(parameter.human for parameter in self.parameters)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(parameter.name for parameter in self.parameters)
+
+    def check(self, parameters: Sequence[float] | Mapping[str, float]) -> tuple[float, ...]:
+        """Return `parameters` as floats in the task's order, or say what is wrong with them.
+
+        Args:
+            parameters: a sequence in the task's order, or a mapping by name.
+
+        Raises:
+            InvalidMorphology: naming each offending parameter, its value and its bounds.
+        """
+        values = self._in_order(parameters)
+        faults = []
+        for parameter, value in zip(self.parameters, values, strict=True):
+            if not math.isfinite(value):
+                faults.append(f"{parameter.name} = {value} is not a finite number")
+            elif not parameter.low <= value <= parameter.high:
+                faults.append(
+                    f"{parameter.name} = {value:g} {parameter.unit} is outside "
+                    f"[{parameter.low:g}, {parameter.high:g}]"
+                )
+        if not faults:
+            named = dict(zip(self.names, values, strict=True))
+            faults = [fault for rule in self.rules if (fault := rule.violation(named))]
+        if faults:
+            raise InvalidMorphology(f"{self.id}: " + "; ".join(faults))
+        return values
+
+    def named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:
+        """Return checked parameters by name."""
+        return dict(zip(self.names, self.check(parameters), strict=True))
+
+    def volume(self, parameters: Sequence[float] | Mapping[str, float]) -> float:
+        """Return the sum of the shapes' volumes in m^3, overlaps counted twice (the paper's V)."""
+        return sum(shape.volume for shape in self.shapes(self.named(parameters)))
+
+    def mjcf(self, parameters: Sequence[float] | Mapping[str, float]) -> str:
+        """Return the MJCF text of one body (a terrain's elevations are added when it is compiled)."""
+        return fill(self.template, {**self.constants, **self.named(parameters)})
+
+    @property
+    def masked_mjcf(self) -> str:
+        """MJCF text as a designer sees it: parameters stand as placeholders, constants as numbers."""
+        return fill(self.template, dict(self.constants), keep=set(self.names))
+
+    def _in_order(self, parameters: Sequence[float] | Mapping[str, float]) -> tuple[float, ...]:
+        if isinstance(parameters, Mapping):
+            unknown = sorted(set(parameters) - set(self.names))
+            missing = [name for name in self.names if name not in parameters]
+            if unknown or missing:
+                said = [f"unknown {', '.join(map(repr, unknown))}"] if unknown else []
+                said += [f"missing {', '.join(missing)}"] if missing else []
+                raise InvalidMorphology(
+                    f"{self.id}: {' and '.join(said)}; it takes {', '.join(self.names)}"
+                )
+            parameters = [parameters[name] for name in self.names]
+        if isinstance(parameters, str) or len(parameters) != len(self.parameters):
+            raise InvalidMorphology(
+                f"{self.id}: {len(parameters)} parameters given, it takes {len(self.parameters)} "
+                f"({', '.join(self.names)})"
+            )
+        try:
+            return tuple(float(value) for value in parameters)
+        except (TypeError, ValueError) as error:
+            raise InvalidMorphology(f"{self.id}: a parameter is not a number ({error})") from None

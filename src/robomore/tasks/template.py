@@ -1,0 +1,73 @@
+"""MJCF templates: `{placeholders}` that are small arithmetic over parameter names.
+
+A template stays readable as a robot (`pos="{hip_x} {-hip_y} 0"`) and needs no code beside it. Text in
+braces is parsed and only numbers, names, + - * / **, sqrt, abs, min and max are evaluated.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import re
+from collections.abc import Callable, Collection, Mapping
+
+_PLACEHOLDER = re.compile(r"\{([^{}]+)\}")
+_BINARY: dict[type, Callable[[float, float], float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+_FUNCTIONS: dict[str, Callable[..., float]] = {
+    "sqrt": math.sqrt,
+    "abs": abs,
+    "min": min,
+    "max": max,
+}
+
+
+def fill(template: str, values: Mapping[str, float], keep: Collection[str] = ()) -> str:
+    """Return `template` with each placeholder replaced by its number.
+
+    Args:
+        template: text with `{expression}` placeholders.
+        values: numbers by name.
+        keep: names whose placeholders stay as they are (a masked template).
+
+    Raises:
+        KeyError: a placeholder uses a name that `values` lacks.
+        ValueError: a placeholder is not plain arithmetic.
+    """
+
+    def replace(match: re.Match[str]) -> str:
+        tree = ast.parse(match[1].strip(), mode="eval").body
+        if any(isinstance(node, ast.Name) and node.id in keep for node in ast.walk(tree)):
+            return match[0]
+        # repr keeps every digit, so the same parameters always give the same text.
+        return repr(float(_evaluate(tree, values)))
+
+    return _PLACEHOLDER.sub(replace, template)
+
+
+def names_used(template: str) -> set[str]:
+    """Return the names that the placeholders of `template` refer to."""
+    trees = (ast.parse(text.strip(), mode="eval") for text in _PLACEHOLDER.findall(template))
+    names = {node.id for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    return names - set(_FUNCTIONS)
+
+
+def _evaluate(node: ast.expr, values: Mapping[str, float]) -> float:
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return float(number)
+        case ast.Name(id=name):
+            return values[name]
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return -_evaluate(operand, values)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
+            return _BINARY[type(op)](_evaluate(left, values), _evaluate(right, values))
+        case ast.Call(func=ast.Name(id=name), args=args) if name in _FUNCTIONS:
+            return _FUNCTIONS[name](*(_evaluate(argument, values) for argument in args))
+    raise ValueError(f"not plain arithmetic in a template: {ast.unparse(node)}")

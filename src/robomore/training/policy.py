@@ -1,0 +1,60 @@
+"""A trained policy as plain arrays: runs on NumPy alone and is saved without code in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class MLPPolicy:
+    """tanh of a multi-layer perceptron with ReLU between its layers: the deterministic policy.
+
+    A trainer folds whatever normalises its inputs into the weights.
+
+    Attributes:
+        weights: one (inputs, outputs) float32 array per layer.
+        biases: one (outputs,) float32 array per layer.
+    """
+
+    weights: tuple[NDArray[np.float32], ...]
+    biases: tuple[NDArray[np.float32], ...]
+
+    def act(self, observations: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
+        """Return actions (n, actions) in [-1, 1] for `observations` (n, observations)."""
+        hidden = np.asarray(observations, dtype=np.float32)
+        *inner, last = zip(self.weights, self.biases, strict=True)
+        for weight, bias in inner:
+            hidden = np.maximum(hidden @ weight + bias, 0)
+        return np.tanh(hidden @ last[0] + last[1])
+
+    def save(self, path: Path) -> None:
+        """Write one `.npz` with arrays `weight0`, `bias0`, `weight1`, …"""
+        arrays = {f"weight{i}": weight for i, weight in enumerate(self.weights)}
+        arrays |= {f"bias{i}": bias for i, bias in enumerate(self.biases)}
+        np.savez(path, **arrays)  # type: ignore[arg-type]  # numpy types **kwargs as its own flags
+
+    @classmethod
+    def load(cls, path: Path) -> MLPPolicy:
+        """Read what `save` wrote. Never unpickles.
+
+        Raises:
+            ValueError: the file is not a policy (missing layers, wrong shapes, non-finite numbers).
+        """
+        with np.load(path, allow_pickle=False) as arrays:
+            layers = sum(name.startswith("weight") for name in arrays.files)
+            try:
+                weights = tuple(arrays[f"weight{i}"].astype(np.float32) for i in range(layers))
+                biases = tuple(arrays[f"bias{i}"].astype(np.float32) for i in range(layers))
+            except KeyError as error:
+                raise ValueError(f"{path} is not a policy: {error}") from None
+        if not layers or any(not np.isfinite(array).all() for array in (*weights, *biases)):
+            raise ValueError(f"{path} is not a policy: no layers, or numbers that are not finite")
+        joined = all(a.shape[1] == b.shape[0] for a, b in zip(weights, weights[1:], strict=False))
+        if not joined or any(w.shape[1:] != b.shape for w, b in zip(weights, biases, strict=True)):
+            raise ValueError(f"{path} is not a policy: its layers do not fit each other")
+        return cls(weights, biases)

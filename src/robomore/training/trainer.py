@@ -1,0 +1,92 @@
+"""What an evaluation asks of a trainer, and what a trainer asks of the robots it trains on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.training.policy import MLPPolicy
+
+Progress = Callable[[int], None]
+"""Called now and then with the control steps done so far."""
+
+
+@dataclass(slots=True)
+class Transition:
+    """What one control step of all simulations gave; finished ones have been reset already.
+
+    Attributes:
+        observation: (n, observation_size) float64, after a reset where an episode ended.
+        reward: (n,) float64.
+        terminated: (n,) bool, the episode ended because the robot is unhealthy.
+        truncated: (n,) bool, the episode ended because its time was up.
+        final_observation: (n, observation_size) float64, before any reset: what to bootstrap from.
+    """
+
+    observation: NDArray[np.float64]
+    reward: NDArray[np.float64]
+    terminated: NDArray[np.bool_]
+    truncated: NDArray[np.bool_]
+    final_observation: NDArray[np.float64]
+
+
+class VectorEnvironment(Protocol):
+    """`n` simulations of one body under one reward, stepped together."""
+
+    n: int
+    observation_size: int
+    action_size: int
+
+    def reset(self, seed: int) -> NDArray[np.float64]:
+        """Start all episodes anew; returns observations (n, observation_size)."""
+        ...
+
+    def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
+        """Apply `actions` (n, action_size) in [-1, 1] for one control step.
+
+        Raises:
+            RewardFailed: the reward raised or was not a finite number.
+            UnstableSimulation: the physics diverged.
+        """
+        ...
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Everything needed to continue bit-exactly, as arrays."""
+        ...
+
+    def restore(self, state: dict[str, NDArray[Any]]) -> None:
+        """Continue from what `state` returned."""
+        ...
+
+
+class Trainer(Protocol):
+    """Trains one policy on one body under one reward, in one thread.
+
+    The same settings, seed and environment give the same policy to the last bit, whether trained
+    in one go or continued from a checkpoint.
+    """
+
+    def train(
+        self,
+        environment: VectorEnvironment,
+        steps: int,
+        seed: int,
+        checkpoint: Path | None = None,
+        progress: Progress | None = None,
+    ) -> MLPPolicy:
+        """Train until `steps` control steps (over all simulations) are done.
+
+        Args:
+            environment: is reset with `seed` unless a checkpoint is continued.
+            steps: the budget, counted from the very first step.
+            seed: of everything random.
+            checkpoint: folder to continue from where it holds one of at most `steps`, and to
+                leave the new one in; `None` to keep none.
+            progress: told the steps done, some times a second at most.
+        """
+        ...

@@ -1,0 +1,183 @@
+"""The five nouns of RoboMoRe as frozen values: Morphology, Reward, Design, Job and Evaluation.
+
+Everything that crosses a process boundary or lands in the ledger is one of these, encoded as JSON.
+This module imports nothing of RoboMoRe but `errors`, and nothing heavy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Morphology:
+    """The numbers of one body, in the task's order, and one line that says the idea behind them."""
+
+    parameters: tuple[float, ...]
+    idea: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Reward:
+    """The program text of one reward: a module that defines `_get_rew(self, x_velocity, action)`."""
+
+    source: str
+    idea: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """A body and the reward it is trained under: the unit that is evaluated."""
+
+    morphology: Morphology
+    reward: Reward
+
+
+class Status(StrEnum):
+    """How an evaluation ended. Anything but `OK` comes with a diagnosis and without numbers."""
+
+    OK = "ok"
+    INVALID_MORPHOLOGY = "invalid-morphology"
+    """Refused before training: out of bounds, against a rule, or MuJoCo does not compile it."""
+    INVALID_REWARD = "invalid-reward"
+    """Refused before training: does not parse, or does not define the expected function."""
+    REWARD_FAILED = "reward-failed"
+    """Raised, or returned something that is not a finite number, while training."""
+    UNSTABLE = "unstable"
+    """The simulation diverged."""
+    TIMED_OUT = "timed-out"
+    """Used up its wall-clock or CPU limit."""
+    OUT_OF_MEMORY = "out-of-memory"
+    CRASHED = "crashed"
+    """The worker process died."""
+    FAILED = "failed"
+    """A fault of RoboMoRe itself; the diagnosis carries the traceback."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrainerSettings:
+    """Which algorithm trains a policy, and with what. Part of an evaluation's identity.
+
+    `options` overrides single fields of the algorithm's own settings class by name
+    (`robomore.training.settings`).
+    """
+
+    name: str = "crossq"
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What one evaluation may use before it is stopped. Not part of its identity."""
+
+    wall_seconds: float = 3600.0
+    reward_call_seconds: float = 1.0
+    memory_bytes: int = 4 * 2**30
+    file_bytes: int = 2**30
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One evaluation to be done: a pure function of everything here but `limits`.
+
+    Attributes:
+        task: id of the task.
+        design: what is trained.
+        trainer: how it is trained.
+        steps: control steps of training in all, counted over all simulations.
+        episodes: episodes of the final measurement, each with its own seed.
+        seed: seeds training; the measurement derives its own seeds from it.
+        limits: when to give up.
+    """
+
+    task: str
+    design: Design
+    trainer: TrainerSettings
+    steps: int
+    episodes: int
+    seed: int
+    limits: Limits = Limits()
+
+
+@dataclass(frozen=True, slots=True)
+class TermStatistics:
+    """One reward term over training: what a designer needs to see which term dominates."""
+
+    mean: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """What training one design gave.
+
+    Attributes:
+        key: content hash of the job and of the package versions that matter.
+        job: what was asked.
+        status: how it ended.
+        diagnosis: empty when `OK`; else one paragraph for people and designers alike.
+        fitness: mean over episodes, in m (the task says what is measured).
+        volume: material of the body, in m^3 (sum over geoms, overlaps counted twice).
+        efficiency: fitness / volume, in 1/m^2.
+        episode_fitness: fitness of each episode, in m.
+        body: plain facts of the body: `mass` kg, `density` kg/m^3, `rest_height` m.
+        behaviour: how the policy moved, name -> value, units in the names.
+        terms: statistics of each reward term over training.
+        steps: control steps of training done.
+        seconds: core-seconds spent (training and measurement).
+        artifact: folder of the trained policy, relative to the run folder; empty if none.
+        notes: facts worth keeping that are no failure ("reward ran once per simulation").
+    """
+
+    key: str
+    job: Job
+    status: Status
+    diagnosis: str = ""
+    fitness: float | None = None
+    volume: float | None = None
+    efficiency: float | None = None
+    episode_fitness: tuple[float, ...] = ()
+    body: dict[str, float] = field(default_factory=dict)
+    behaviour: dict[str, float] = field(default_factory=dict)
+    terms: dict[str, TermStatistics] = field(default_factory=dict)
+    steps: int = 0
+    seconds: float = 0.0
+    artifact: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def design(self) -> Design:
+        return self.job.design
+
+    @property
+    def ok(self) -> bool:
+        return self.status is Status.OK
+
+    def score(self, objective: str = "efficiency") -> float | None:
+        """The number the search compares, `None` for a failure; never a sentinel."""
+        if not self.ok:
+            return None
+        return self.efficiency if objective == "efficiency" else self.fitness
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """The place of one proposal in a run. Seeds its random state and names its LLM exchange,
+    so that two identical prompts in two places stay two exchanges.
+
+    Attributes:
+        stage: `coarse` or `fine`.
+        kind: `morphology` or `reward`.
+        branch: which fine branch, 0 in the coarse stage.
+        index: position among the proposals of its stage, branch and kind.
+        attempt: 0, or how many fresh proposals came before it in the same place.
+    """
+
+    stage: str
+    kind: str
+    branch: int
+    index: int
+    attempt: int = 0
