@@ -1,4 +1,4 @@
-"""Every error that a user can meet, each with one line that names the value, the range and the remedy."""
+"""Every error that a user can meet: one line that names the value, the range and the remedy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class InvalidMorphology(InputError):
 
 
 class InvalidReward(InputError):
-    """A reward text that does not parse, or does not define `_get_rew(self, x_velocity, action)`."""
+    """A reward text that does not parse or does not define `_get_rew(self, x_velocity, action)`."""
 
 
 class RunFolderError(InputError):
@@ -31,7 +31,7 @@ class LedgerError(RoboMoReError):
 
 
 class ProposalFailed(RoboMoReError):
-    """A designer could not fill a slot; the message says why. The search asks for a fresh proposal."""
+    """A designer could not fill a slot, and why. The search asks for a fresh proposal."""
 
 
 class BudgetExhausted(RoboMoReError):
@@ -43,12 +43,16 @@ class Interrupted(RoboMoReError):
 
 
 class RewardFailed(RoboMoReError):
-    """A designer's reward raised, or returned something that is not a finite number, while training.
+    """A designer's reward raised, or gave something that is not a finite number, while training.
 
-    The message is the diagnosis that goes back to the designer: what happened, in which line, and in
-    which state.
+    The message is the diagnosis that goes back to the designer: what happened, in which line, and
+    in which state.
     """
 
 
 class UnstableSimulation(RoboMoReError):
     """The physics diverged (a warning of MuJoCo or a non-finite state)."""
+
+
+class NothingTrained(RoboMoReError):
+    """Every candidate failed; the message counts the reasons and quotes the most frequent one."""

@@ -1,4 +1,4 @@
-"""Content keys and seeds: what makes parallel equal serial, and a resumed run an uninterrupted one."""
+"""Content keys and seeds: why parallel equals serial, and resumed equals uninterrupted."""
 
 from __future__ import annotations
 
@@ -38,4 +38,6 @@ def job_key(job: Job, versions: dict[str, str]) -> str:
 def training_key(job: Job, versions: dict[str, str]) -> str:
     """Key of a training run whatever its budget: what a checkpoint is continued under."""
     design = (job.design.morphology.parameters, job.design.reward.source)
-    return content_key(job.task, design, (job.trainer.name, job.trainer.options), job.seed, versions)
+    return content_key(
+        job.task, design, (job.trainer.name, job.trainer.options), job.seed, versions
+    )

@@ -21,7 +21,7 @@ class Morphology:
 
 @dataclass(frozen=True, slots=True)
 class Reward:
-    """The program text of one reward: a module that defines `_get_rew(self, x_velocity, action)`."""
+    """The program text of one reward: it defines `_get_rew(self, x_velocity, action)`."""
 
     source: str
     idea: str = ""
@@ -181,3 +181,34 @@ class Slot:
     branch: int
     index: int
     attempt: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where in a run an evaluation was asked for; several places may share one evaluation.
+
+    Attributes:
+        stage: `coarse`, `fine` or `final`.
+        morphology: coarse: row of the grid.
+        reward: coarse: column of the grid.
+        branch: fine: which survivor; final: which finalist, in the order of the search's scores.
+        cycle: fine: 1, 2, …; 0 for what the branch starts from.
+        changed: fine: `morphology` or `reward`; final: `champion` or `human`.
+        repeat: which training seed of this design.
+    """
+
+    stage: str
+    morphology: int = 0
+    reward: int = 0
+    branch: int = 0
+    cycle: int = 0
+    changed: str = ""
+    repeat: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A design that the search wants measured, and why it wants to know."""
+
+    design: Design
+    place: Place

@@ -1,0 +1,44 @@
+"""What travels to a worker and to the contained child, and what comes back from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from robomore.types import Job, TermStatistics
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """One evaluation to be done, and where.
+
+    Attributes:
+        job: what to do.
+        key: of the evaluation.
+        scratch: folder that training may write to, made and emptied by the worker.
+        artifact: folder that the policy is left in when all went well; empty to leave none.
+        checkpoint: folder to continue from and to leave a checkpoint in; empty for none.
+        containment: `strict` refuses to run without the operating system's layers.
+    """
+
+    job: Job
+    key: str
+    scratch: str
+    artifact: str = ""
+    checkpoint: str = ""
+    containment: str = "strict"
+
+
+@dataclass(frozen=True, slots=True)
+class Training:
+    """What the contained child says of its training. A stranger's code ran there: believe no more
+    than its type.
+
+    Attributes:
+        steps: control steps done.
+        terms: statistics of each reward term.
+        notes: facts worth keeping.
+    """
+
+    steps: int
+    terms: dict[str, TermStatistics] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()

@@ -1,0 +1,70 @@
+"""What the evaluator asks of an executor."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+Work = Callable[[bytes, Callable[[int], None]], bytes]
+"""A job's function: payload and a way to report progress in, reply out. Raises if broken."""
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """The function returned."""
+
+    reply: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Failed:
+    """No reply came.
+
+    Attributes:
+        reason: what happened, for people.
+        timed_out: the job used up its time.
+    """
+
+    reason: str
+    timed_out: bool = False
+
+
+Outcome = Done | Failed
+Progress = Callable[[int, int], None]
+"""Told (job's index, units done); the first call for a job, with 0, says that it has started."""
+
+
+class Executor(Protocol):
+    """Runs jobs of one function."""
+
+    workers: int
+
+    def map(
+        self,
+        function: str,
+        payloads: Sequence[bytes],
+        progress: Progress,
+        timeout: float,
+    ) -> Iterator[tuple[int, Outcome]]:
+        """Yield (index, outcome) of each payload as it finishes, in no particular order.
+
+        Args:
+            function: `module:name` of a `Work` function.
+            payloads: one per job.
+            progress: told what goes on; called in this thread.
+            timeout: seconds after which a job is given up and its worker killed.
+        """
+        ...
+
+    def close(self) -> None:
+        """Stop all workers, whatever they do."""
+        ...
+
+
+def load(function: str) -> Work:
+    """Import `module:name`."""
+    module, name = function.split(":")
+    work: Work = getattr(importlib.import_module(module), name)
+    return work

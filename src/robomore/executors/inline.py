@@ -1,0 +1,26 @@
+"""Jobs one after the other in this process: for debugging, and for one evaluation at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+from robomore.executors.executor import Done, Outcome, Progress, load
+
+
+class Inline:
+    """Runs jobs here. A job cannot be given up, so `timeout` has no effect."""
+
+    workers = 1
+
+    def map(
+        self, function: str, payloads: Sequence[bytes], progress: Progress, timeout: float
+    ) -> Iterator[tuple[int, Outcome]]:
+        """See `Executor.map`."""
+        work = load(function)
+        for index, payload in enumerate(payloads):
+            progress(index, 0)
+            yield index, Done(work(payload, partial(progress, index)))
+
+    def close(self) -> None:
+        """Nothing to stop."""

@@ -1,0 +1,48 @@
+"""What the search knows of measuring: a batch of trials in, one evaluation each out."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+
+from robomore.errors import NothingTrained
+from robomore.types import Evaluation, Trial
+
+Evaluate = Callable[[Sequence[Trial]], list[Evaluation]]
+"""Measures a batch; answers in its order, one each. A bad design gives a failed evaluation."""
+
+
+def ranked(evaluations: Iterable[Evaluation], objective: str) -> list[Evaluation]:
+    """Return the successful evaluations, best first; equals keep their order."""
+    scored = [(score, e) for e in evaluations if (score := e.score(objective)) is not None]
+    return [evaluation for _, evaluation in sorted(scored, key=lambda pair: -pair[0])]
+
+
+def top(evaluations: Sequence[Evaluation], share: float, objective: str) -> list[Evaluation]:
+    """Return the best `share` of `evaluations`, at least one (paper, Alg. 1: Top(F, k)).
+
+    Raises:
+        NothingTrained: all of them failed.
+    """
+    best = ranked(evaluations, objective)
+    if not best:
+        raise NothingTrained(_why_nothing(evaluations))
+    # 5 % of 125 pairs is 6.25: rounding half up keeps the paper's six.
+    return best[: max(1, math.floor(share * len(evaluations) + 0.5))]
+
+
+def improves(new: Evaluation, old: Evaluation, objective: str) -> bool:
+    """Return whether `new` is measured and better than `old`."""
+    new_score, old_score = new.score(objective), old.score(objective)
+    return new_score is not None and (old_score is None or new_score > old_score)
+
+
+def _why_nothing(evaluations: Sequence[Evaluation]) -> str:
+    counts = Counter(evaluation.status for evaluation in evaluations)
+    if not counts:
+        return "there was nothing to train: the designer proposed no design"
+    (status, _), *_ = counts.most_common()
+    example = next(e.diagnosis for e in evaluations if e.status is status)
+    said = ", ".join(f"{count} {name}" for name, count in counts.most_common())
+    return f"all {len(evaluations)} candidates failed ({said}); for example: {example}"

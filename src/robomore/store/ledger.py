@@ -1,0 +1,192 @@
+"""The ledger: everything that a run has done, in one SQLite file, written as it happens."""
+
+from __future__ import annotations
+
+import hashlib
+import sqlite3
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from robomore.errors import LedgerError
+from robomore.types import Evaluation, Morphology, Place, Reward, Slot
+
+SCHEMA = 1
+"""Raised when the tables change."""
+
+_TABLES = """
+CREATE TABLE evaluations (key TEXT PRIMARY KEY, body BLOB, digest BLOB, time REAL) STRICT;
+CREATE TABLE places (place TEXT PRIMARY KEY, evaluation TEXT, seq INTEGER) STRICT;
+CREATE TABLE proposals
+  (slot TEXT PRIMARY KEY, given TEXT, body BLOB, digest BLOB, time REAL) STRICT;
+CREATE TABLE exchanges (key TEXT PRIMARY KEY, body BLOB, digest BLOB, time REAL) STRICT;
+CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL) STRICT;
+"""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """What a designer answered in one slot: a body, a reward, or why there is none."""
+
+    slot: Slot
+    morphology: Morphology | None = None
+    reward: Reward | None = None
+    failure: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened in a run, for people who look back."""
+
+    kind: str
+    body: dict[str, Any]
+    time: float
+
+
+class Ledger:
+    """Append-only memory of one run. Rows carry a digest, so damage is found and never believed.
+
+    One process writes; others may read meanwhile.
+    """
+
+    def __init__(self, path: Path, read_only: bool = False) -> None:
+        """Open the ledger at `path`, or make one.
+
+        Raises:
+            LedgerError: damaged, or of a newer version.
+        """
+        self._path = path
+        try:
+            if read_only:
+                self._db = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+            else:
+                self._db = sqlite3.connect(path)
+                # Readers never wait for the writer, and a commit survives the process being killed.
+                self._db.execute("PRAGMA journal_mode=WAL")
+                self._db.execute("PRAGMA synchronous=NORMAL")
+            (found,) = self._db.execute("PRAGMA user_version").fetchone()
+            if found > SCHEMA:
+                raise LedgerError(
+                    f"{path} has version {found}, this RoboMoRe reads up to {SCHEMA}; "
+                    "install a newer RoboMoRe"
+                )
+            if found == 0 and not read_only:
+                self._db.executescript(f"BEGIN; {_TABLES} PRAGMA user_version={SCHEMA}; COMMIT;")
+        except sqlite3.Error as error:
+            raise self._damaged(error) from None
+
+    def close(self) -> None:
+        self._db.close()
+
+    # Evaluations ---------------------------------------------------------------------------------
+
+    def evaluation(self, key: str) -> Evaluation | None:
+        """Return the evaluation of that key, if it was done."""
+        return self._read("SELECT body, digest FROM evaluations WHERE key = ?", key, Evaluation)
+
+    def add_evaluation(self, evaluation: Evaluation) -> None:
+        self._write(
+            "INSERT OR REPLACE INTO evaluations VALUES (?, ?, ?, ?)", evaluation.key, evaluation
+        )
+
+    def add_place(self, place: Place, key: str) -> None:
+        """Note that the search asked for an evaluation in this place."""
+        self._execute(
+            "INSERT OR REPLACE INTO places VALUES "
+            "(?, ?, (SELECT coalesce(max(seq), 0) + 1 FROM places))",
+            (msgspec.json.encode(place).decode(), key),
+        )
+
+    def placed(self) -> list[tuple[Place, Evaluation]]:
+        """Return every evaluation in each place it was asked for, in the order of asking."""
+        rows = self._execute("SELECT place, evaluation FROM places ORDER BY seq")
+        found = []
+        for place, key in rows:
+            evaluation = self.evaluation(key)
+            if evaluation is not None:
+                found.append((self._decode(place.encode(), Place), evaluation))
+        return found
+
+    def evaluations(self) -> list[Evaluation]:
+        """Return all evaluations, oldest first."""
+        query = "SELECT body, digest FROM evaluations ORDER BY rowid"
+        return list(self._all(query, Evaluation))
+
+    # Proposals -----------------------------------------------------------------------------------
+
+    def proposal(self, slot: Slot, given: str) -> Proposal | None:
+        """Return what was proposed in `slot` from the same input (`given` is its content key)."""
+        query = "SELECT body, digest FROM proposals WHERE slot = ? AND given = ?"
+        return self._read(query, (msgspec.json.encode(slot).decode(), given), Proposal)
+
+    def add_proposal(self, proposal: Proposal, given: str) -> None:
+        body = msgspec.json.encode(proposal)
+        slot = msgspec.json.encode(proposal.slot).decode()
+        self._execute(
+            "INSERT OR REPLACE INTO proposals VALUES (?, ?, ?, ?, ?)",
+            (slot, given, body, _digest(body), time.time()),
+        )
+
+    def proposals(self) -> list[Proposal]:
+        """Return all proposals, oldest first."""
+        return list(self._all("SELECT body, digest FROM proposals ORDER BY rowid", Proposal))
+
+    # Events --------------------------------------------------------------------------------------
+
+    def add_event(self, kind: str, **body: Any) -> None:
+        self._execute(
+            "INSERT INTO events (kind, body, time) VALUES (?, ?, ?)",
+            (kind, msgspec.json.encode(body), time.time()),
+        )
+
+    def events(self) -> list[Event]:
+        rows = self._execute("SELECT kind, body, time FROM events ORDER BY seq")
+        return [Event(kind, self._decode(body, dict[str, Any]), at) for kind, body, at in rows]
+
+    # Rows ----------------------------------------------------------------------------------------
+
+    def _write(self, query: str, key: str, value: Any) -> None:
+        body = msgspec.json.encode(value)
+        self._execute(query, (key, body, _digest(body), time.time()))
+
+    def _read(self, query: str, key: str | tuple[str, ...], kind: type[T]) -> T | None:
+        rows = self._execute(query, key if isinstance(key, tuple) else (key,))
+        return self._checked(rows[0], kind) if rows else None
+
+    def _all(self, query: str, kind: type[T]) -> Iterator[T]:
+        return (self._checked(row, kind) for row in self._execute(query))
+
+    def _checked(self, row: tuple[bytes, bytes], kind: type[T]) -> T:
+        body, digest = row
+        if not isinstance(body, bytes) or _digest(body) != digest:
+            raise self._damaged("a row does not match its digest")
+        return self._decode(body, kind)
+
+    def _decode(self, body: bytes, kind: type[T]) -> T:
+        try:
+            return msgspec.json.decode(body, type=kind)
+        except msgspec.DecodeError as error:
+            raise self._damaged(error) from None
+
+    def _execute(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:
+        try:
+            with self._db:
+                return self._db.execute(query, values).fetchall()
+        except sqlite3.Error as error:
+            raise self._damaged(error) from None
+
+    def _damaged(self, reason: object) -> LedgerError:
+        return LedgerError(
+            f"the ledger {self._path} cannot be used ({reason}); free disk space if it is full, "
+            "restore the file from a copy, or start anew with another --out"
+        )
+
+
+def _digest(body: bytes) -> bytes:
+    return hashlib.sha256(body).digest()[:16]
