@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from functools import partial
 
 from robomore.executors.executor import Done, Outcome, Progress, load
@@ -15,7 +15,7 @@ class Inline:
 
     def map(
         self, function: str, payloads: Sequence[bytes], progress: Progress, timeout: float
-    ) -> Iterator[tuple[int, Outcome]]:
+    ) -> Generator[tuple[int, Outcome]]:
         """See `Executor.map`."""
         work = load(function)
         for index, payload in enumerate(payloads):

@@ -10,7 +10,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from typing import IO
 
 import msgspec
@@ -35,7 +35,7 @@ class Processes:
 
     def map(
         self, function: str, payloads: Sequence[bytes], progress: Progress, timeout: float
-    ) -> Iterator[tuple[int, Outcome]]:
+    ) -> Generator[tuple[int, Outcome]]:
         """See `Executor.map`. Interrupting the iteration kills all workers."""
         waiting: queue.SimpleQueue[tuple[int, bytes]] = queue.SimpleQueue()
         for job in enumerate(payloads):

@@ -16,6 +16,7 @@ class RunFolder:
     run.json          what was asked for (Manifest)
     ledger.sqlite     proposals, evaluations, exchanges, events
     artifacts/KEY/    policy.npz of an evaluation, and what its worker said
+    scratch/          what is being trained right now; empty when nothing runs
     champion/         the answer: design.json, reward.py, robot.xml, policy.npz
     report.html       the answer as a page
     lock              held while the run goes on
@@ -27,6 +28,7 @@ class RunFolder:
         self.manifest = path / "run.json"
         self.ledger = path / "ledger.sqlite"
         self.artifacts = path / "artifacts"
+        self.scratch = path / "scratch"
         self.champion = path / "champion"
         self.report = path / "report.html"
         self._lock = path / "lock"

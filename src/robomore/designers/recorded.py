@@ -1,0 +1,94 @@
+"""A designer whose proposals are remembered: resuming a run proposes nothing twice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from robomore.designers.designer import Designer
+from robomore.errors import ProposalFailed
+from robomore.events import Observer, Proposed, ignore
+from robomore.identity import content_key
+from robomore.store.ledger import Ledger, Proposal
+from robomore.types import Evaluation, Morphology, Reward, Slot
+
+
+class RecordedDesigner:
+    """Answers from the ledger where it can, else asks `designer` and writes the answer down.
+
+    A slot that the designer fails to fill is recorded as failed and filled by a fresh proposal (the
+    slot's next attempt), `attempts` times at most.
+    """
+
+    def __init__(
+        self, designer: Designer, ledger: Ledger, observe: Observer = ignore, attempts: int = 3
+    ) -> None:
+        self.name = designer.name
+        self.provenance = designer.provenance
+        self._designer = designer
+        self._ledger = ledger
+        self._observe = observe
+        self._attempts = attempts
+
+    def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
+        """See `Designer.propose_morphology`."""
+        return self._morphology(
+            slot,
+            content_key([morphology.parameters for morphology in earlier]),
+            lambda fresh: self._designer.propose_morphology(fresh, earlier),
+        )
+
+    def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
+        """See `Designer.propose_reward`."""
+        return self._reward(
+            slot,
+            content_key([reward.source for reward in earlier]),
+            lambda fresh: self._designer.propose_reward(fresh, earlier),
+        )
+
+    def improve_morphology(
+        self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
+    ) -> Morphology:
+        """See `Designer.improve_morphology`."""
+        return self._morphology(
+            slot,
+            content_key(best.key, [evaluation.key for evaluation in history]),
+            lambda fresh: self._designer.improve_morphology(fresh, best, history),
+        )
+
+    def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:
+        """See `Designer.improve_reward`."""
+        return self._reward(
+            slot,
+            content_key(best.key, [evaluation.key for evaluation in history]),
+            lambda fresh: self._designer.improve_reward(fresh, best, history),
+        )
+
+    def _morphology(self, slot: Slot, given: str, ask: Callable[[Slot], Morphology]) -> Morphology:
+        proposal = self._filled(slot, given, lambda s: Proposal(s, morphology=ask(s)))
+        assert proposal.morphology is not None
+        return proposal.morphology
+
+    def _reward(self, slot: Slot, given: str, ask: Callable[[Slot], Reward]) -> Reward:
+        proposal = self._filled(slot, given, lambda s: Proposal(s, reward=ask(s)))
+        assert proposal.reward is not None
+        return proposal.reward
+
+    def _filled(self, slot: Slot, given: str, ask: Callable[[Slot], Proposal]) -> Proposal:
+        for attempt in range(self._attempts):
+            fresh = replace(slot, attempt=attempt)
+            proposal = self._ledger.proposal(fresh, given)
+            if proposal is None:
+                try:
+                    proposal = ask(fresh)
+                except ProposalFailed as error:
+                    proposal = Proposal(fresh, failure=str(error))
+                self._ledger.add_proposal(proposal, given)
+            said = proposal.morphology or proposal.reward
+            self._observe(Proposed(fresh, said.idea if said else "", proposal.failure))
+            if said is not None:
+                return proposal
+        raise ProposalFailed(
+            f"{self.name} could not fill the {slot.stage} stage's {slot.kind} {slot.index} "
+            f"in {self._attempts} attempts; the last one: {proposal.failure}"
+        )

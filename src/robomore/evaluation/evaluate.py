@@ -1,0 +1,114 @@
+"""One evaluation: check, compile, train, roll out, and divide fitness by volume.
+
+This process is trusted. The design's reward is trained against in a contained child and never
+loaded here, so it cannot reach the numbers.
+"""
+
+from __future__ import annotations
+
+import shutil
+import time
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+
+from robomore.errors import InvalidMorphology, UnstableSimulation
+from robomore.evaluation.measure import measure
+from robomore.evaluation.request import Request, Training
+from robomore.evaluation.train import POLICY
+from robomore.sandbox.check import check_reward
+from robomore.sandbox.contain import run_contained
+from robomore.tasks import Task, get_task
+from robomore.tasks.compile import body_facts
+from robomore.training.policy import MLPPolicy
+from robomore.types import Evaluation, Status
+
+
+def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
+    """Do an encoded `Request`; returns an encoded `Evaluation`. What executors call."""
+    request = msgspec.json.decode(payload, type=Request)
+    return msgspec.json.encode(evaluate(request, progress))
+
+
+def evaluate(request: Request, progress: Callable[[int], None]) -> Evaluation:
+    """Return what training the request's design gives. Never raises for a bad design.
+
+    Args:
+        request: the job and its folders.
+        progress: told the control steps of training done.
+    """
+    began = time.process_time()
+    job, key = request.job, request.key
+    scratch = Path(request.scratch)
+    shutil.rmtree(scratch, ignore_errors=True)
+    try:
+        scratch.mkdir(parents=True)
+        evaluation = _evaluate(request, get_task(job.task), scratch, progress)
+    except InvalidMorphology as error:
+        evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
+    except UnstableSimulation as error:
+        evaluation = Evaluation(key, job, Status.UNSTABLE, str(error))
+    except Exception:  # noqa: BLE001  # a fault of ours costs one candidate and keeps its traceback
+        evaluation = Evaluation(key, job, Status.FAILED, traceback.format_exc())
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+    own_seconds = time.process_time() - began
+    return msgspec.structs.replace(evaluation, seconds=evaluation.seconds + own_seconds)
+
+
+def _evaluate(
+    request: Request, task: Task, scratch: Path, progress: Callable[[int], None]
+) -> Evaluation:
+    job, key = request.job, request.key
+    parameters = task.check(job.design.morphology.parameters)
+    body = body_facts(task, parameters)
+    faults = [f for f in check_reward(job.design.reward.source) if f.severity == "error"]
+    if faults:
+        said = "; ".join(f"line {fault.line}: {fault.message}" for fault in faults)
+        return Evaluation(key, job, Status.INVALID_REWARD, said, body=body)
+
+    trained = run_contained(
+        "robomore.evaluation.train:train",
+        msgspec.json.encode(request),
+        scratch,
+        job.limits,
+        on_progress=progress,
+    )
+    if trained.status is not Status.OK:
+        return Evaluation(
+            key, job, trained.status, trained.diagnosis, body=body, seconds=trained.seconds
+        )
+    training = msgspec.json.decode(trained.reply, type=Training)
+    policy = MLPPolicy.load(scratch / POLICY)
+    measured = measure(task, parameters, policy, job)
+    if request.artifact:
+        _keep(policy, Path(request.artifact))
+    volume = task.volume(parameters)
+    return Evaluation(
+        key,
+        job,
+        Status.OK,
+        fitness=measured.fitness,
+        volume=volume,
+        efficiency=measured.fitness / volume,
+        episode_fitness=measured.episode_fitness,
+        body=body,
+        behaviour=measured.behaviour,
+        terms=training.terms,
+        steps=job.steps,
+        seconds=trained.seconds,
+        artifact=Path(request.artifact).name if request.artifact else "",
+        notes=training.notes,
+    )
+
+
+def _keep(policy: MLPPolicy, artifact: Path) -> None:
+    """Leave the policy in `artifact`, whole or not at all."""
+    partial = artifact.with_name(artifact.name + ".partial")
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    policy.save(partial / POLICY)
+    shutil.rmtree(artifact, ignore_errors=True)
+    partial.replace(artifact)

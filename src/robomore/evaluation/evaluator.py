@@ -1,0 +1,130 @@
+"""Batches of evaluations: look up what is known, have the rest done, write each down at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+
+import msgspec
+
+from robomore.evaluation.request import Request
+from robomore.events import BatchBegan, Finished, Observer, Progressed, Started, ignore
+from robomore.executors.executor import Done, Executor, Outcome
+from robomore.identity import content_key, derive_seed, job_key
+from robomore.settings import Budget
+from robomore.store.ledger import Ledger
+from robomore.store.rundir import RunFolder
+from robomore.types import Evaluation, Job, Limits, Place, Status, TrainerSettings, Trial
+
+_WORK = "robomore.evaluation.evaluate:work"
+_GRACE_SECONDS = 300.0
+"""What a worker may need beside training: compiling, measuring, writing."""
+_TRIES = 2
+"""A process that dies may have been killed from outside; one that dies twice has a reason."""
+
+
+@dataclass(slots=True)
+class Evaluator:
+    """Measures trials for one run.
+
+    Attributes:
+        task: id of the task.
+        trainer: how policies are trained.
+        seed: of the run; with design and repeat it decides each training's seed.
+        versions: part of every evaluation's key.
+        ledger: what is known, and where new results go.
+        folder: of the run.
+        executor: does the work.
+        limits: of one evaluation.
+        containment: `strict` or `relaxed`.
+        observe: told what goes on.
+    """
+
+    task: str
+    trainer: TrainerSettings
+    seed: int
+    versions: dict[str, str]
+    ledger: Ledger
+    folder: RunFolder
+    executor: Executor
+    limits: Limits = field(default_factory=Limits)
+    containment: str = "strict"
+    observe: Observer = field(default=ignore)
+
+    def measure(self, trials: Sequence[Trial], budget: Budget) -> list[Evaluation]:
+        """Return one evaluation for each trial, in order. Trials of equal content share one."""
+        jobs = [self._job(trial, budget) for trial in trials]
+        keys = [job_key(job, self.versions) for job in jobs]
+        known = {key: found for key in keys if (found := self.ledger.evaluation(key))}
+        self.observe(BatchBegan(tuple(trial.place for trial in trials), len(known)))
+        for key, trial in zip(keys, trials, strict=True):
+            self.ledger.add_place(trial.place, key)
+            if key in known:
+                self.observe(Finished(known[key], trial.place, known=True))
+        missing = {
+            key: (job, trial.place)
+            for key, job, trial in zip(keys, jobs, trials, strict=True)
+            if key not in known
+        }
+        for tries_left in reversed(range(_TRIES)):
+            known |= self._do(missing, accept_crashes=not tries_left)
+            missing = {key: job for key, job in missing.items() if key not in known}
+        return [known[key] for key in keys]
+
+    def _do(
+        self, missing: dict[str, tuple[Job, Place]], accept_crashes: bool
+    ) -> dict[str, Evaluation]:
+        """Have `missing` evaluations done and written down; return them by key."""
+        keys = list(missing)
+        done: dict[str, Evaluation] = {}
+
+        def progress(index: int, steps: int) -> None:
+            key = keys[index]
+            if steps == 0:
+                job, place = missing[key]
+                self.observe(Started(key, place, job.steps))
+            else:
+                self.observe(Progressed(key, steps))
+
+        payloads = [msgspec.json.encode(self._request(key, missing[key][0])) for key in keys]
+        timeout = self.limits.wall_seconds + _GRACE_SECONDS
+        # Closed at once on Ctrl-C, so that no worker outlives its run.
+        with closing(self.executor.map(_WORK, payloads, progress, timeout)) as outcomes:
+            for index, outcome in outcomes:
+                job, place = missing[keys[index]]
+                evaluation = _evaluation(keys[index], job, outcome)
+                if evaluation.status is Status.CRASHED and not accept_crashes:
+                    continue
+                self.ledger.add_evaluation(evaluation)
+                done[evaluation.key] = evaluation
+                self.observe(Finished(evaluation, place, known=False))
+        return done
+
+    def _request(self, key: str, job: Job) -> Request:
+        return Request(
+            job=job,
+            key=key,
+            scratch=str(self.folder.scratch / key),
+            artifact=str(self.folder.artifacts / key),
+            containment=self.containment,
+        )
+
+    def _job(self, trial: Trial, budget: Budget) -> Job:
+        parameters, source = trial.design.morphology.parameters, trial.design.reward.source
+        return Job(
+            task=self.task,
+            design=trial.design,
+            trainer=self.trainer,
+            steps=budget.steps,
+            episodes=budget.episodes,
+            seed=derive_seed(self.seed, content_key(parameters, source), trial.place.repeat),
+            limits=self.limits,
+        )
+
+
+def _evaluation(key: str, job: Job, outcome: Outcome) -> Evaluation:
+    if isinstance(outcome, Done):
+        return msgspec.json.decode(outcome.reply, type=Evaluation)
+    status = Status.TIMED_OUT if outcome.timed_out else Status.CRASHED
+    return Evaluation(key, job, status, outcome.reason)

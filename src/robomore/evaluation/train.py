@@ -1,0 +1,53 @@
+"""The part of an evaluation that runs a stranger's code, always inside a contained child."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+
+from robomore.evaluation.request import Request, Training
+from robomore.sandbox.load import load_reward
+from robomore.tasks import get_task
+from robomore.tasks.simulation import Simulations
+from robomore.training.settings import make_trainer, settings_from
+
+POLICY = "policy.npz"
+"""File in the scratch folder that carries the trained policy out."""
+
+
+def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
+    """Train one design and leave its policy in `scratch`.
+
+    Args:
+        payload: an encoded `Request`.
+        scratch: the only folder that may be written to (and the checkpoint's, if one is asked for).
+        report: told the control steps done.
+
+    Returns:
+        An encoded `Training`.
+
+    Raises:
+        InvalidReward, RewardFailed, UnstableSimulation: the reasons are the design's.
+    """
+    request = msgspec.json.decode(payload, type=Request)
+    job = request.job
+    settings = settings_from(job.trainer)
+    environment = Simulations(
+        get_task(job.task),
+        job.design.morphology.parameters,
+        settings.simulations,
+        load_reward(job.design.reward.source),
+    )
+    policy = make_trainer(job.trainer).train(
+        environment,
+        job.steps,
+        job.seed,
+        checkpoint=Path(request.checkpoint) if request.checkpoint else None,
+        progress=report,
+    )
+    policy.save(scratch / POLICY)
+    return msgspec.json.encode(
+        Training(job.steps, environment.reward_statistics(), environment.notes())
+    )

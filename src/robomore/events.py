@@ -1,0 +1,59 @@
+"""What goes on in a run, told as it happens to whoever watches (the live view, a log, a test)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from robomore.types import Evaluation, Place, Slot
+
+
+@dataclass(frozen=True, slots=True)
+class Proposed:
+    """A designer filled a slot, or could not (`failure` says why)."""
+
+    slot: Slot
+    idea: str
+    failure: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class BatchBegan:
+    """The search asked for a batch of evaluations, some of which may be known already."""
+
+    places: tuple[Place, ...]
+    known: int
+
+
+@dataclass(frozen=True, slots=True)
+class Started:
+    """A worker took up an evaluation."""
+
+    key: str
+    place: Place
+    steps: int
+
+
+@dataclass(frozen=True, slots=True)
+class Progressed:
+    """An evaluation has done so many control steps of training."""
+
+    key: str
+    steps: int
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """An evaluation is in the ledger; `known` if it was there before."""
+
+    evaluation: Evaluation
+    place: Place
+    known: bool
+
+
+Event = Proposed | BatchBegan | Started | Progressed | Finished
+Observer = Callable[[Event], None]
+
+
+def ignore(event: Event) -> None:
+    """An observer for when nobody watches."""
