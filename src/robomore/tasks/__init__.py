@@ -1,0 +1,27 @@
+"""Tasks: a robot with free dimensions, and what it is to do.
+
+A task is one frozen value in one file: its description in words, the MJCF template of its robot,
+the parameters that fill the template, the rules between them, the solids that make up its volume,
+the reference reward and the environment. Reading a task, checking parameters and computing a volume
+need no simulator; `robomore.tasks.compile` turns parameters into a MuJoCo model.
+"""
+
+from __future__ import annotations
+
+from robomore.tasks.geometry import Capsule, Shape, Sphere
+from robomore.tasks.registry import TASKS, all_tasks, get_task
+from robomore.tasks.task import Parameter, Rule, Task, Terrain, Values
+
+__all__ = [
+    "TASKS",
+    "Capsule",
+    "Parameter",
+    "Rule",
+    "Shape",
+    "Sphere",
+    "Task",
+    "Terrain",
+    "Values",
+    "all_tasks",
+    "get_task",
+]

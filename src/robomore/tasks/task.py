@@ -162,12 +162,12 @@ class Task:
         return sum(shape.volume for shape in self.shapes(self.named(parameters)))
 
     def mjcf(self, parameters: Sequence[float] | Mapping[str, float]) -> str:
-        """Return the MJCF text of one body (a terrain's elevations are added when it is compiled)."""
+        """Return the MJCF text of one body, without a terrain's elevations."""
         return fill(self.template, {**self.constants, **self.named(parameters)})
 
     @property
     def masked_mjcf(self) -> str:
-        """MJCF text as a designer sees it: parameters stand as placeholders, constants as numbers."""
+        """MJCF text as designers see it: parameters as placeholders, constants as numbers."""
         return fill(self.template, dict(self.constants), keep=set(self.names))
 
     def _in_order(self, parameters: Sequence[float] | Mapping[str, float]) -> tuple[float, ...]:

@@ -1,7 +1,7 @@
 """MJCF templates: `{placeholders}` that are small arithmetic over parameter names.
 
-A template stays readable as a robot (`pos="{hip_x} {-hip_y} 0"`) and needs no code beside it. Text in
-braces is parsed and only numbers, names, + - * / **, sqrt, abs, min and max are evaluated.
+A template stays readable as a robot (`pos="{hip_x} {-hip_y} 0"`) and needs no code beside it. Text
+in braces is parsed and only numbers, names, + - * / **, sqrt, abs, min and max are evaluated.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import math
 import operator
 import re
 from collections.abc import Callable, Collection, Mapping
+from importlib.resources import files
 
 _PLACEHOLDER = re.compile(r"\{([^{}]+)\}")
 _BINARY: dict[type, Callable[[float, float], float]] = {
@@ -26,6 +27,11 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "min": min,
     "max": max,
 }
+
+
+def read_asset(name: str) -> str:
+    """Return the text of `assets/<name>`."""
+    return (files("robomore.tasks") / "assets" / name).read_text(encoding="utf-8")
 
 
 def fill(template: str, values: Mapping[str, float], keep: Collection[str] = ()) -> str:

@@ -1,0 +1,190 @@
+"""Hopper: a one-legged robot in a vertical plane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+from robomore.tasks.geometry import Capsule, Shape
+from robomore.tasks.task import Parameter, Rule, Task, Values
+from robomore.tasks.template import read_asset
+
+LEAST_SEGMENT = 0.05
+"""Shortest torso, thigh and leg, in m: shorter ones have no inertia worth simulating."""
+
+LEAST_FOOT = 0.02
+"""Shortest foot between the centres of its ends, in m."""
+
+LOWEST_TORSO = 0.56
+"""The robot counts as fallen below this fraction of its torso's height at rest: 0.7 m for the
+official robot, as in Gymnasium, and in proportion for smaller and larger ones."""
+
+LARGEST_ANGLE = 2.0
+"""The robot counts as fallen when its torso leans further than this, in rad."""
+
+REWARD = '''def _get_rew(self, x_velocity, action):
+    """Forward speed and a bonus for staying healthy, less the cost of effort."""
+    forward = self._forward_reward_weight * x_velocity
+    healthy = self.healthy_reward
+    effort = self.control_cost(action)
+    reward = forward + healthy - effort
+    terms = {"forward": forward, "healthy": healthy, "effort": -effort}
+    return reward, terms
+'''
+
+HEIGHTS = ("torso_top", "hip_height", "knee_height", "ankle_height")
+
+
+def rest_height(values: Values) -> float:
+    """Return the height of the torso's middle when the robot stands upright, in m."""
+    return (values["torso_top"] + values["hip_height"]) / 2
+
+
+def shapes(values: Values, legs: int) -> tuple[Shape, ...]:
+    """Return the solids of a robot with `legs` equal legs."""
+    return (
+        Capsule(values["torso_radius"], values["torso_top"] - values["hip_height"]),
+        Capsule(values["thigh_radius"], values["hip_height"] - values["knee_height"], legs),
+        Capsule(values["leg_radius"], values["knee_height"] - values["ankle_height"], legs),
+        Capsule(values["foot_radius"], values["foot_front"] - values["foot_back"], legs),
+    )
+
+
+def parameters(foot_back: float, foot_front: float, foot_note: str = "") -> tuple[Parameter, ...]:
+    """Return the free dimensions of Hopper and Walker, which differ in the official foot alone."""
+
+    def height(name: str, low: float, high: float, human: float, meaning: str) -> Parameter:
+        return Parameter(name, low, high, human, meaning + ", standing upright", scale="log")
+
+    def radius(name: str, human: float, meaning: str) -> Parameter:
+        return Parameter(name, 0.005, 0.25, human, f"radius of {meaning}", scale="log")
+
+    return (
+        height("torso_top", 0.17, 3.0, 1.45, "height of the torso's upper end above the ground"),
+        height("hip_height", 0.12, 2.9, 1.05, "height of the torso's lower end, the hip"),
+        height("knee_height", 0.06, 2.5, 0.6, "height of the knee"),
+        height("ankle_height", 0.005, 2.0, 0.1, "height of the ankle and of the foot's axis"),
+        Parameter("foot_back", -1.0, 0.0, foot_back, "x of the foot's rear end from the ankle"),
+        Parameter("foot_front", 0.0, 1.0, foot_front, "x of the foot's front end from the ankle"),
+        radius("torso_radius", 0.05, "the torso"),
+        radius("thigh_radius", 0.05, "the thigh" + foot_note),
+        radius("leg_radius", 0.04, "the leg below the knee" + foot_note),
+        radius("foot_radius", 0.06, "the foot" + foot_note),
+    )
+
+
+def _out_of_order(values: Values) -> str | None:
+    wrong = [
+        f"{upper} = {values[upper]:g} m is not at least {LEAST_SEGMENT:g} m above "
+        f"{lower} = {values[lower]:g} m"
+        for upper, lower in pairwise(HEIGHTS)
+        if values[upper] - values[lower] < LEAST_SEGMENT
+    ]
+    return "; ".join(wrong) or None
+
+
+def _foot_too_short(values: Values) -> str | None:
+    length = values["foot_front"] - values["foot_back"]
+    if length >= LEAST_FOOT:
+        return None
+    return (
+        f"foot_back = {values['foot_back']:g} m and foot_front = {values['foot_front']:g} m make "
+        f"a foot of {length:.4g} m, shorter than {LEAST_FOOT:g} m"
+    )
+
+
+def _starts_in_ground(values: Values) -> str | None:
+    ankle = values["ankle_height"]
+    deep = [
+        f"{name} = {values[name]:g} m"
+        for name in ("leg_radius", "foot_radius")
+        if values[name] > ankle
+    ]
+    if not deep:
+        return None
+    return (
+        f"{' and '.join(deep)} reaches into the ground at the start; a radius there may be at "
+        f"most ankle_height = {ankle:g} m"
+    )
+
+
+def _overlap(values: Values) -> str | None:
+    faults = []
+    for length, (upper, lower), radii in (
+        (
+            values["hip_height"] - values["knee_height"],
+            ("hip_height", "knee_height"),
+            ("torso_radius", "leg_radius"),
+        ),
+        (
+            values["knee_height"] - values["ankle_height"],
+            ("knee_height", "ankle_height"),
+            ("thigh_radius", "foot_radius"),
+        ),
+    ):
+        needed = sum(values[name] for name in radii)
+        if length < needed:
+            faults.append(
+                f"{upper} - {lower} = {length:.4g} m is less than {' + '.join(radii)} = "
+                f"{needed:.4g} m, so that parts which collide overlap"
+            )
+    return "; ".join(faults) or None
+
+
+STANDING_RULES = (
+    Rule(
+        "torso_top > hip_height > knee_height > ankle_height, each at least "
+        f"{LEAST_SEGMENT:g} m above the next",
+        _out_of_order,
+    ),
+    Rule(f"foot_front - foot_back >= {LEAST_FOOT:g} m", _foot_too_short),
+    Rule(
+        "no part may reach into the ground at the start: leg_radius and foot_radius <= "
+        "ankle_height",
+        _starts_in_ground,
+    ),
+)
+"""What makes a robot stand; Walker shares them."""
+
+
+def health(values: Values) -> dict[str, Any]:
+    """Return the limits beyond which the robot counts as fallen."""
+    return {
+        "healthy_z_range": (LOWEST_TORSO * rest_height(values), math.inf),
+        "healthy_angle_range": (-LARGEST_ANGLE, LARGEST_ANGLE),
+    }
+
+
+def _shapes_of(legs: int) -> Callable[[Values], tuple[Shape, ...]]:
+    return lambda values: shapes(values, legs)
+
+
+HOPPER = Task(
+    id="hopper",
+    title="Hopper",
+    description=(
+        "The hopper is a one-legged robot that moves in a vertical plane. It has four parts one "
+        "below the other: a torso, a thigh, a leg, and a single foot that carries the whole body. "
+        "Three motors turn the three hinges between them: hip, knee and ankle. The goal is to hop "
+        "forward, in the direction of +x (to the right), by choosing the torques on the three "
+        "hinges."
+    ),
+    fitness="distance",
+    template=read_asset("hopper.xml"),
+    parameters=parameters(foot_back=-0.13, foot_front=0.26),
+    rules=(
+        *STANDING_RULES,
+        Rule(
+            "parts that are no neighbours must not overlap at the start: hip_height - knee_height "
+            ">= torso_radius + leg_radius, and knee_height - ankle_height >= thigh_radius + "
+            "foot_radius",
+            _overlap,
+        ),
+    ),
+    shapes=_shapes_of(legs=1),
+    reward=REWARD,
+    environment="robomore.tasks.environments.hopper:HopperEnvironment",
+    options=lambda values: {**health(values), "healthy_state_range": (-100.0, 100.0)},
+)

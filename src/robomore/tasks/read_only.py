@@ -1,0 +1,110 @@
+"""MuJoCo's model and data as a reward sees them: everything can be read, nothing can be changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+FORCES = frozenset({"cacc", "cfrc_int", "cfrc_ext"})
+"""Accelerations and forces that MuJoCo computes only when asked (`mj_rnePostConstraint`)."""
+
+
+class ReadOnly:
+    """A MuJoCo struct whose arrays are read-only views of the live ones.
+
+    Attributes that always lie at the same place in memory are looked up once.
+    """
+
+    def __init__(
+        self,
+        target: Any,
+        lasting: Callable[[np.ndarray[Any, Any]], bool] = lambda array: True,
+        on_forces: Callable[[], None] | None = None,
+    ) -> None:
+        """Wrap `target`.
+
+        Args:
+            target: an `MjModel`, an `MjData`, or a part of one.
+            lasting: whether an array stays where it is for as long as `target` lives.
+            on_forces: called when one of `FORCES` is looked up for the first time.
+        """
+        vars(self).update(_target=target, _lasting=lasting, _on_forces=on_forces)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in vars(self) and (name.startswith("__") or name == "_target"):
+            raise AttributeError(name)  # copying asks before anything is there
+        if name in FORCES and self._on_forces is not None:
+            self._on_forces()
+        value = self._wrap(getattr(self._target, name))
+        if isinstance(value, (ReadOnly, _Method)) or (
+            isinstance(value, np.ndarray) and self._lasting(value)
+        ):
+            vars(self)[name] = value
+        return value
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"a reward may read `{name}` of the simulation, but not set it")
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._wrap(self._target[index])
+
+    def __len__(self) -> int:
+        return len(self._target)
+
+    def __iter__(self) -> Iterator[Any]:
+        return (self._wrap(item) for item in self._target)
+
+    def __repr__(self) -> str:
+        return f"<read-only {self._target!r}>"
+
+    def _wrap(self, value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            view = value.view()
+            view.flags.writeable = False
+            return view
+        if value is None or isinstance(value, (bool, int, float, str, bytes, tuple, np.generic)):
+            return value
+        if callable(value):
+            return _Method(value, self._part)
+        return self._part(value)
+
+    def _part(self, value: Any) -> Any:
+        if type(value).__module__.startswith("mujoco"):
+            return ReadOnly(value, self._lasting, self._on_forces)
+        return self._wrap(value) if isinstance(value, np.ndarray) else value
+
+
+class _Method:
+    """`data.body`, `model.joint`, …: what they return is read-only, and looked up once per name."""
+
+    def __init__(self, method: Callable[..., Any], wrap: Callable[[Any], Any]) -> None:
+        self._method = method
+        self._wrap = wrap
+        self._found: dict[Any, Any] = {}
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        if named or len(arguments) != 1 or not isinstance(arguments[0], (int, str)):
+            return self._wrap(self._method(*arguments, **named))
+        key = arguments[0]
+        found = self._found.get(key)
+        if found is None:
+            found = self._found[key] = self._wrap(self._method(key))
+        return found
+
+
+def read_only_data(data: Any, on_forces: Callable[[], None]) -> ReadOnly:
+    """Return a read-only view of an `MjData`.
+
+    Args:
+        data: the live one.
+        on_forces: must see to it that `FORCES` are computed from now on.
+    """
+    # qpos comes first in MuJoCo's fixed buffer; arrays elsewhere (contacts, constraints) move.
+    start = data.qpos.ctypes.data
+
+    def lasting(array: np.ndarray[Any, Any]) -> bool:
+        return 0 <= array.ctypes.data - start < data.nbuffer
+
+    return ReadOnly(data, lasting, on_forces)
