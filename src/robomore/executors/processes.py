@@ -19,6 +19,8 @@ from robomore.executors.executor import Done, Failed, Outcome, Progress
 from robomore.executors.messages import Call, Progressed, Replied, Reply
 
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_INHERITED = ("PATH", "HOME", "TMPDIR", "TZ", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH")
+"""What a worker sees of the parent's environment: enough to start Python, and no key."""
 _LOG_TAIL = 2000
 
 _Message = tuple[int, int | Outcome]
@@ -148,7 +150,7 @@ class _Slot:
                     stderr=self._log,
                     # Ctrl-C goes to the parent alone, which then stops the workers in order.
                     start_new_session=True,
-                    env=os.environ | dict.fromkeys(_THREAD_PINS, "1"),
+                    env=_environment(),
                 )
             return self._process
 
@@ -169,6 +171,15 @@ class _Slot:
         self._log.seek(max(0, size - _LOG_TAIL))
         text = self._log.read().decode(errors="replace").strip()
         return f"; it last said: {text}" if text else ""
+
+
+def _environment() -> dict[str, str]:
+    inherited = {
+        name: value
+        for name, value in os.environ.items()
+        if name in _INHERITED or name.startswith("ROBOMORE_")
+    }
+    return inherited | dict.fromkeys(_THREAD_PINS, "1")
 
 
 def _how_it_ended(code: int) -> str:

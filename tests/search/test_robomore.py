@@ -1,0 +1,125 @@
+"""The paper's algorithm on numbers: what is asked in which order, and what comes out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from robomore.errors import NothingTrained
+from robomore.search import coarse, final, fine, robomore
+from robomore.search.measure import improves, ranked, top
+from robomore.settings import SearchSettings
+from robomore.types import Design, Morphology, Reward
+from search.fakes import CountingDesigner, Measuring, evaluation, numbers
+
+
+def design(body: float, reward: float) -> Design:
+    return Design(Morphology((body,)), Reward(str(reward)))
+
+
+def test_coarse_evaluates_the_whole_grid_in_one_batch_row_by_row() -> None:
+    measuring = Measuring(lambda body, reward: body * reward)
+    grid = coarse(CountingDesigner(), measuring, morphologies=3, rewards=2)
+    assert [numbers(e.design) for e in grid] == [(b, r) for b in (1, 2, 3) for r in (10, 20)]
+    (batch,) = measuring.batches
+    assert [(t.place.morphology, t.place.reward) for t in batch] == [
+        (i, j) for i in range(3) for j in range(2)
+    ]
+
+
+@pytest.mark.parametrize(("pairs", "share", "kept"), [(125, 0.05, 6), (15, 0.1, 2), (4, 0.05, 1)])
+def test_top_keeps_the_share_and_at_least_one(pairs: int, share: float, kept: int) -> None:
+    grid = [evaluation(design(i, 1), float(i)) for i in range(pairs)]
+    best = top(grid, share, "efficiency")
+    assert [e.efficiency for e in best] == [float(pairs - 1 - i) for i in range(kept)]
+
+
+def test_failures_are_never_kept_and_never_improve() -> None:
+    failed, good = evaluation(design(1, 1), None), evaluation(design(2, 1), -3.0)
+    assert top([failed, good], 1.0, "efficiency") == [good]
+    assert not improves(failed, good, "efficiency")
+    assert improves(good, failed, "efficiency")
+    assert not improves(good, good, "efficiency")
+
+
+def test_equal_scores_keep_their_order() -> None:
+    grid = [evaluation(design(i, 1), 5.0) for i in range(4)]
+    assert ranked(grid, "efficiency") == grid
+
+
+def test_a_grid_of_failures_says_why() -> None:
+    measuring = Measuring(lambda body, reward: None)
+    with pytest.raises(
+        NothingTrained, match=r"all 4 candidates failed \(4 reward-failed\).*raised"
+    ):
+        robomore(CountingDesigner(), measuring, SearchSettings(morphologies=2, rewards=2))
+
+
+def test_fine_changes_the_body_then_the_reward_and_keeps_what_is_better() -> None:
+    # Better until the body is 3; the reward cannot be improved.
+    measuring = Measuring(lambda body, reward: -abs(body - 3) - abs(reward - 10))
+    start = measuring.evaluation_of(design(1, 10))
+    (best,) = fine(CountingDesigner(), measuring, [start], [start], "efficiency", max_cycles=10)
+    assert numbers(best.design) == (3.0, 10.0)
+    changes = [batch[0].place.changed for batch in measuring.batches]
+    # Two cycles improve the body; the third improves neither and ends the branch.
+    assert changes == ["morphology", "reward"] * 3
+    assert [numbers(batch[0].design) for batch in measuring.batches] == [
+        (2.0, 10.0),
+        (2.0, 11.0),
+        (3.0, 10.0),
+        (3.0, 11.0),
+        (4.0, 10.0),
+        (3.0, 11.0),
+    ]
+
+
+def test_fine_branches_share_batches_and_stop_one_by_one() -> None:
+    measuring = Measuring(lambda body, reward: min(body, 3) + min(reward, 10))
+    starts = [measuring.evaluation_of(design(body, 10)) for body in (1, 3)]
+    best = fine(CountingDesigner(), measuring, starts, starts, "efficiency", max_cycles=10)
+    assert [numbers(e.design) for e in best] == [(3.0, 10.0), (3.0, 10.0)]
+    assert [len(batch) for batch in measuring.batches] == [2, 2, 1, 1, 1, 1]
+
+
+def test_a_branch_sees_the_grid_and_its_own_trials_only() -> None:
+    designer = CountingDesigner()
+    measuring = Measuring(lambda body, reward: body + reward)
+    starts = [measuring.evaluation_of(design(body, 10)) for body in (1, 50)]
+    fine(designer, measuring, starts, starts, "efficiency", max_cycles=2)
+    grid = tuple(e.key for e in starts)
+    first, second = designer.histories[2], designer.histories[3]
+    assert first[:2] == second[:2] == grid
+    assert len(first) == 4 and not set(first[2:]) & set(second[2:])
+
+
+def test_max_cycles_bounds_a_search_that_always_improves() -> None:
+    measuring = Measuring(lambda body, reward: body + reward)
+    settings = SearchSettings(morphologies=2, rewards=2, survivors=0.25, max_cycles=4)
+    best, *_ = robomore(CountingDesigner(), measuring, settings)
+    assert numbers(best.design) == (2.0 + 4, 20.0 + 4)
+
+
+def test_the_objective_decides() -> None:
+    light = replace(evaluation(design(1, 1), 9.0), fitness=1.0)
+    far = replace(evaluation(design(2, 1), 5.0), fitness=7.0)
+    assert top([light, far], 0.1, "efficiency") == [light]
+    assert top([light, far], 0.1, "fitness") == [far]
+
+
+def test_final_retrains_finalists_and_human_over_seeds_and_names_the_steadier_champion() -> None:
+    scores = {1.0: iter([9.0, None]), 2.0: iter([3.0, 4.0]), 7.0: iter([1.0, 1.0])}
+    measuring = Measuring(lambda body, reward: next(scores[body]))
+    result = final(measuring, [design(1, 1), design(2, 1)], design(7, 1), 2, "efficiency")
+    assert [e.efficiency for e in result.champion] == [3.0, 4.0]
+    assert [e.efficiency for e in result.human] == [1.0, 1.0]
+    (batch,) = measuring.batches
+    assert [(t.place.changed, t.place.branch, t.place.repeat) for t in batch] == [
+        ("champion", 0, 1),
+        ("champion", 0, 2),
+        ("champion", 1, 1),
+        ("champion", 1, 2),
+        ("human", 0, 1),
+        ("human", 0, 2),
+    ]

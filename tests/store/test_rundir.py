@@ -1,0 +1,79 @@
+"""A run folder is taken by one run, and only by the run that it belongs to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robomore.errors import RunFolderError
+from robomore.settings import preset
+from robomore.store import Manifest, RunFolder
+
+ASKED = Manifest("ant", 1, "smoke", "offline", "No LLM was used.", 3, preset("smoke"))
+
+
+def test_the_same_run_may_continue(tmp_path: Path) -> None:
+    RunFolder.prepare(tmp_path / "run", ASKED).release()
+    folder = RunFolder.prepare(tmp_path / "run", ASKED)
+    assert Manifest.load(folder.manifest) == ASKED
+    folder.release()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"task": "walker"}, "task is 'ant' there and 'walker' here"),
+        ({"seed": 4}, "seed is 3 there and 4 here"),
+        ({"designer": "human"}, "designer is 'offline' there"),
+        ({"settings": preset("quick"), "preset": "quick"}, "preset 'smoke'.*'quick'"),
+        ({"versions": {"mujoco": "0"}}, "mujoco .* there, 0 here.*install those versions"),
+    ],
+)
+def test_another_run_is_refused_with_the_difference(
+    tmp_path: Path, change: dict[str, Any], said: str
+) -> None:
+    RunFolder.prepare(tmp_path / "run", ASKED).release()
+    with pytest.raises(RunFolderError, match=f"{said}.*") as refused:
+        RunFolder.prepare(tmp_path / "run", replace(ASKED, **change))
+    assert "--out" in str(refused.value)
+    # A refusal does not keep the folder locked.
+    RunFolder.prepare(tmp_path / "run", ASKED).release()
+
+
+def test_a_folder_in_use_is_refused(tmp_path: Path) -> None:
+    held = RunFolder.prepare(tmp_path / "run", ASKED)
+    with pytest.raises(RunFolderError, match="in use"):
+        RunFolder.prepare(tmp_path / "run", ASKED)
+    held.release()
+    RunFolder.prepare(tmp_path / "run", ASKED).release()
+
+
+def test_a_path_below_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RunFolderError, match=r"cannot write.*--out"):
+        RunFolder.prepare(tmp_path / "file" / "run", ASKED)
+
+
+def test_a_damaged_manifest_is_refused(tmp_path: Path) -> None:
+    folder = RunFolder.prepare(tmp_path / "run", ASKED)
+    folder.release()
+    folder.manifest.write_text(folder.manifest.read_text()[:-20])
+    with pytest.raises(RunFolderError, match="damaged"):
+        RunFolder.prepare(tmp_path / "run", ASKED)
+
+
+def test_a_newer_manifest_is_refused(tmp_path: Path) -> None:
+    folder = RunFolder.prepare(tmp_path / "run", ASKED)
+    folder.release()
+    text = folder.manifest.read_text().replace('"format": 1', '"format": 9')
+    folder.manifest.write_text(text)
+    with pytest.raises(RunFolderError, match="format 9.*newer"):
+        Manifest.load(folder.manifest)
+
+
+def test_a_folder_without_a_run_is_named(tmp_path: Path) -> None:
+    with pytest.raises(RunFolderError, match="not a run folder"):
+        RunFolder.existing(tmp_path)
