@@ -105,6 +105,6 @@ def read_only_data(data: Any, on_forces: Callable[[], None]) -> ReadOnly:
     start = data.qpos.ctypes.data
 
     def lasting(array: np.ndarray[Any, Any]) -> bool:
-        return 0 <= array.ctypes.data - start < data.nbuffer
+        return bool(0 <= array.ctypes.data - start < data.nbuffer)
 
     return ReadOnly(data, lasting, on_forces)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import linecache
+import math
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
@@ -108,8 +109,8 @@ class PerSimulationReward:
     def __call__(self, simulations: Any, x_velocity: Array, actions: Array) -> Array:
         """Return rewards (n,). The slow path reads each simulation's data, not `simulations`."""
         rewards = np.empty(len(self._selves))
-        for index, one in enumerate(self._selves):
-            rewards[index] = self._call(one, x_velocity[index], actions[index])
+        for index in range(len(rewards)):
+            rewards[index] = self._call(index, x_velocity[index], actions[index])
         return rewards
 
     def reset(self, index: int) -> None:
@@ -156,32 +157,24 @@ class PerSimulationReward:
         own = vars(self._selves[index]).items()
         return {name: value for name, value in own if fresh.get(name, self) is not value}
 
-    def _call(self, one: RobotEnvironment, x_velocity: float, action: Array) -> float:
+    def _call(self, index: int, x_velocity: float, action: Array) -> float:
         try:
-            result = self._reward(one, x_velocity, action)
+            result = self._reward(self._selves[index], x_velocity, action)
         except (Exception, SystemExit) as error:
-            raise RewardFailed(
-                f"The reward raised {self._explain(error)} {_situation(one, x_velocity, action)}"
+            raise self._failed(
+                f"raised {self._explain(error)}", index, x_velocity, action
             ) from error
-        if not isinstance(result, (tuple, list)) or len(result) != 2:
-            raise self._refused(f"{_shown(result)}", one, x_velocity, action)
-        value, terms = _number(result[0]), result[1]
-        if value is None:
-            raise self._refused(f"{_shown(result[0])} as the reward", one, x_velocity, action)
-        if not isinstance(terms, Mapping):
-            raise self._refused(f"{_shown(terms)} as the terms", one, x_velocity, action)
-        if not np.isfinite(value):
-            raise RewardFailed(
-                f"The reward was {value}, with the terms {_shown(dict(terms))} "
-                f"{_situation(one, x_velocity, action)}"
-            )
-        self._record(terms)
-        return value
+        if type(result) is tuple and len(result) == 2:
+            value, terms = _number(result[0]), result[1]
+            if value is not None and math.isfinite(value) and isinstance(terms, Mapping):
+                self._record(terms)
+                return value
+        raise self._failed(_fault(result), index, x_velocity, action)
 
     def _record(self, terms: Mapping[str, Any]) -> None:
         for name, term in terms.items():
             value = _number(term)
-            if value is None or not -np.inf < value < np.inf:
+            if value is None or not math.isfinite(value):
                 continue
             known = self._terms.get(name)
             if known is not None:
@@ -192,11 +185,17 @@ class PerSimulationReward:
             elif isinstance(name, str) and len(self._terms) < _MOST_TERMS:
                 self._terms[name] = [1, value, value, value]
 
-    def _refused(self, what: str, *state: Any) -> RewardFailed:
-        return RewardFailed(
-            f"The reward returned {what}; it must return (reward, terms), a finite number and a "
-            f"dict of numbers by name {_situation(*state)}"
-        )
+    def _failed(self, what: str, index: int, x_velocity: float, action: Array) -> RewardFailed:
+        data = self._fresh[index]["data"]
+        state = {
+            "qpos": data.qpos,
+            "qvel": data.qvel,
+            "x_velocity": np.asarray(x_velocity),
+            "action": action,
+        }
+        with np.printoptions(precision=3, suppress=True, threshold=12, linewidth=1000):
+            numbers = ", ".join(f"{name} = {value}" for name, value in state.items())
+        return RewardFailed(f"The reward {what} in the state {numbers}.")
 
     def _explain(self, error: BaseException) -> str:
         code = getattr(inspect.unwrap(self._reward), "__code__", None)
@@ -235,16 +234,25 @@ def _number(value: Any) -> float | None:
     return None
 
 
+def _fault(result: Any) -> str:
+    """Return what is wrong with what a reward returned, in words."""
+    wanted = "it must return (reward, terms): a finite number, and a dict of numbers by name;"
+    if type(result) is not tuple or len(result) != 2:
+        return f"returned {_shown(result)}; {wanted}"
+    value, terms = result
+    number = _number(value)
+    if number is None:
+        return f"returned {_shown(value)} in the place of the number; {wanted}"
+    if not isinstance(terms, Mapping):
+        return f"returned {_shown(terms)} in the place of the terms; {wanted}"
+    return f"was {number} with the terms {_shown(terms)}; it must be finite;"
+
+
 def _shown(value: Any) -> str:
     if value is None:
         return "None"
-    kind = type(value).__name__
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
-    text = repr(value)
-    return text if len(text) <= _LONGEST and kind == "dict" else f"{kind} {text[:_LONGEST]}"
-
-
-def _situation(one: RobotEnvironment, x_velocity: float, action: Array) -> str:
-    qpos, qvel = (np.array2string(one._fresh_state(part), precision=3) for part in ("qpos", "qvel"))
-    return ""
+    if isinstance(value, (bool, int, float, str, list, tuple, dict, np.generic)):
+        return f"the {type(value).__name__} {value!r:.{_LONGEST}}"
+    return f"an object of type {type(value).__name__}"

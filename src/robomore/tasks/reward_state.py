@@ -1,4 +1,4 @@
-"""What a reward keeps in `self` between steps, as text that a checkpoint can hold without pickling."""
+"""What a reward keeps in `self` between steps, as text for a checkpoint; never pickled."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def dump(attributes: dict[str, Any]) -> bytes:
             encoded[name] = _encode(value)
         except (TypeError, RecursionError) as error:
             raise TypeError(
-                f"`self.{name}` cannot be kept in a checkpoint ({error}); use numbers, text, arrays, "
-                "lists, tuples, sets, dicts or deques"
+                f"`self.{name}` cannot be kept in a checkpoint ({error}); use numbers, text, "
+                "arrays, lists, tuples, sets, dicts or deques"
             ) from None
     return json.dumps(encoded).encode()
 

@@ -3,36 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.tasks.transition import Transition as Transition
 from robomore.training.policy import MLPPolicy
 
 Progress = Callable[[int], None]
 """Called now and then with the control steps done so far."""
-
-
-@dataclass(slots=True)
-class Transition:
-    """What one control step of all simulations gave; finished ones have been reset already.
-
-    Attributes:
-        observation: (n, observation_size) float64, after a reset where an episode ended.
-        reward: (n,) float64.
-        terminated: (n,) bool, the episode ended because the robot is unhealthy.
-        truncated: (n,) bool, the episode ended because its time was up.
-        final_observation: (n, observation_size) float64, before any reset: what to bootstrap from.
-    """
-
-    observation: NDArray[np.float64]
-    reward: NDArray[np.float64]
-    terminated: NDArray[np.bool_]
-    truncated: NDArray[np.bool_]
-    final_observation: NDArray[np.float64]
 
 
 class VectorEnvironment(Protocol):

@@ -1,0 +1,347 @@
+"""Many simulations of one body, stepped together: what policies are trained and measured on.
+
+The physics runs in a plain loop over MuJoCo's own steps, which is as fast as it gets in one thread
+and bit-identical to the official environments. Everything else is done for the whole batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.errors import UnstableSimulation
+from robomore.tasks.environments import environment_class
+from robomore.tasks.environments.base import Array, RewardFunction
+from robomore.tasks.reward_runner import PerSimulationReward, RewardRunner
+from robomore.tasks.task import Task
+from robomore.tasks.transition import Transition
+from robomore.types import TermStatistics
+
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+_DIVERGED = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
+
+TOLERATED_DIVERGENCES = 10
+"""Divergences that are put up with in any case."""
+
+TOLERATED_SHARE = 0.1
+"""Share of episodes that may end in a divergence; with more the body cannot be simulated."""
+
+
+class Simulations:
+    """`n` simulations of one body under one reward (a `VectorEnvironment`).
+
+    A simulation whose physics diverges (a warning of MuJoCo about its state, or numbers that are
+    not finite) ends its episode as terminated, in the starting pose: such a step moves nothing
+    forward. Only when that happens again and again does `step` raise.
+
+    Attributes:
+        n: simulations.
+        observation_size: numbers in an observation.
+        action_size: motors.
+        environment: one Gymnasium environment of this body, for its options and batched facts.
+        data: MuJoCo's data of each simulation.
+        observation: (n, observation_size) what the next actions answer to.
+        qpos: (n, nq) positions after the last step.
+        qvel: (n, nv) velocities after the last step.
+        cfrc_ext: (n, bodies, 6) contact forces after the last step, where anything asks for them.
+        healthy: (n,) bool after the last step.
+        elapsed: (n,) control steps done in each episode.
+        diverged: (n,) bool, the physics diverged in the last step.
+        divergences: how often it did in all.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        parameters: Sequence[float] | Mapping[str, float],
+        n: int,
+        reward: RewardFunction | None = None,
+        *,
+        auto_reset: bool = True,
+    ) -> None:
+        """Build the simulations; `reset` or `reset_one` has to come before `step`.
+
+        Args:
+            task: whose robot this is.
+            parameters: of its body, in the task's order or by name.
+            n: simulations.
+            reward: called after every step; without one all rewards are 0.
+            auto_reset: whether an ended episode is followed by the next one at once. Without it,
+                the caller starts episodes with `reset_one`.
+
+        Raises:
+            InvalidMorphology: the task refuses the parameters, or MuJoCo refuses the model.
+        """
+        self.environment = environment_class(task)(task, parameters, reward or _no_reward)
+        self.model: mujoco.MjModel = self.environment.model
+        self.n = n
+        self.action_size = int(self.model.nu)
+        self.observation_size = sum(self.environment.observation_space.shape or ())
+        self._frame_skip = int(self.environment.frame_skip)
+        self._dt = float(self.environment.dt)
+        self._steps = task.episode_steps
+        self._auto_reset = auto_reset
+        self._terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
+
+        self.data = [mujoco.MjData(self.model) for _ in range(n)]
+        self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(n)]
+        self._controls = [one.ctrl for one in self.data]
+        self._forces_needed = self.environment.observes_forces
+        self._qpos = _Gather([one.qpos for one in self.data])
+        self._qvel = _Gather([one.qvel for one in self.data])
+        self._cfrc_ext = _Gather([one.cfrc_ext.ravel() for one in self.data])
+        self._position = _Gather([self.environment.position_view(one) for one in self.data])
+        self._warnings = _Gather([one.warning.number[_DIVERGED] for one in self.data])
+        self.qpos, self.qvel = self._qpos.values, self._qvel.values
+        self.cfrc_ext = self._cfrc_ext.values.reshape(n, -1, 6)
+
+        self.observation: Array = np.zeros((n, self.observation_size))
+        self.healthy = np.ones(n, np.bool_)
+        self.elapsed = np.zeros(n, np.int64)
+        self.diverged = np.zeros(n, np.bool_)
+        self.divergences = 0
+        self._episodes = 0
+        self._root = self.environment.batch_root(self.qpos)
+        self._runner: RewardRunner | None = None
+        if reward is not None:
+            self._runner = PerSimulationReward(
+                reward, self.environment, self.data, self._generators, self._need_forces
+            )
+
+    @property
+    def root_positions(self) -> Array:
+        """(n, 2) x and z of the torso in m, as the last step left them.
+
+        An episode that starts by itself does not count: after a step that ended an episode these
+        are its last positions, after `reset` and `reset_one` the first ones.
+        """
+        return self._root.copy()
+
+    def reset(self, seed: int) -> Array:
+        """Start all episodes anew; returns observations (n, observation_size).
+
+        Each simulation draws from a random state of its own, derived from `seed` and its index.
+        """
+        for index, generator in enumerate(self._generators):
+            _seed(generator, np.random.SeedSequence([seed, index]))
+            self._begin(index)
+        self._root = self.environment.batch_root(self.qpos)
+        return self.observation.copy()
+
+    def reset_one(self, index: int, seed: int) -> Array:
+        """Start an episode in simulation `index`; returns its observation (observation_size,).
+
+        It begins as Gymnasium's `reset(seed=seed)` of this robot does.
+        """
+        _seed(self._generators[index], np.random.SeedSequence(seed))
+        self._begin(index)
+        self._root[index] = self.environment.batch_root(self.qpos[index : index + 1])[0]
+        first: Array = self.observation[index].copy()
+        return first
+
+    def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
+        """Apply `actions` (n, action_size) in [-1, 1] for one control step.
+
+        Raises:
+            RewardFailed: the reward raised or was not a finite number.
+            UnstableSimulation: the physics diverged over and over.
+        """
+        # A copy: whatever a reward does to its action stays there.
+        actions = np.array(actions, dtype=np.float64)
+        if actions.shape != (self.n, self.action_size):
+            raise ValueError(
+                f"actions have the shape {actions.shape}, not {(self.n, self.action_size)}"
+            )
+        before: Array = self._position.values[:, 0].copy()
+        model, frame_skip = self.model, self._frame_skip
+        for data, control, action in zip(self.data, self._controls, actions, strict=True):
+            control[:] = action
+            mujoco.mj_step(model, data, frame_skip)
+        if self._forces_needed:
+            for data in self.data:
+                mujoco.mj_rnePostConstraint(model, data)
+        self._gather()
+        self._settle_diverged()
+
+        x_velocity: Array = (self._position.values[:, 0] - before) / self._dt
+        x_velocity[self.diverged] = 0.0
+        final = self.environment.batch_observation(self.qpos, self.qvel, self.cfrc_ext)
+        self.healthy = self.environment.batch_healthy(self.qpos, self.qvel)
+        self._root = self.environment.batch_root(self.qpos)
+        reward = np.zeros(self.n)
+        if self._runner is not None:
+            reward = self._runner(self, x_velocity, actions)
+        terminated = self.diverged.copy()
+        if self._terminates:
+            terminated |= ~self.healthy
+        self.elapsed += 1
+        truncated = self.elapsed >= self._steps
+        self.observation = final
+        ended = np.flatnonzero(terminated | truncated)
+        if len(ended):
+            self._end(ended, final)
+        return Transition(self.observation, reward, terminated, truncated, final)
+
+    def reward_statistics(self) -> dict[str, TermStatistics]:
+        """Return mean, low and high of each reward term over all steps so far."""
+        return {} if self._runner is None else self._runner.statistics()
+
+    def notes(self) -> tuple[str, ...]:
+        """Return facts worth keeping about how these simulations ran."""
+        found = [] if self._runner is None else ["the reward ran once per simulation"]
+        if self.divergences:
+            found.append(f"the physics diverged in {self.divergences} of {self._episodes} episodes")
+        return tuple(found)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return everything needed to continue bit-exactly, as arrays.
+
+        Raises:
+            RewardFailed: the reward keeps something in `self` that cannot be written down.
+        """
+        physics = np.empty((self.n, mujoco.mj_stateSize(self.model, _STATE)))
+        for data, row in zip(self.data, physics, strict=True):
+            mujoco.mj_getState(self.model, data, row, _STATE)
+        own = {
+            "physics": physics,
+            "position": self._position.values.copy(),
+            "observation": self.observation.copy(),
+            "elapsed": self.elapsed.copy(),
+            "root": self._root.copy(),
+            "counts": np.array([self.divergences, self._episodes, self._forces_needed], np.int64),
+            "generators": np.stack([_generator_state(one) for one in self._generators]),
+        }
+        runner = {} if self._runner is None else self._runner.state()
+        return own | {f"reward_{name}": array for name, array in runner.items()}
+
+    def restore(self, state: dict[str, NDArray[Any]]) -> None:
+        """Continue from what `state` returned."""
+        for data, row in zip(self.data, state["physics"], strict=True):
+            mujoco.mj_resetData(self.model, data)
+            mujoco.mj_setState(self.model, data, row, _STATE)
+        self._gather()
+        # Body positions lag behind qpos within a step, so they cannot be computed from it.
+        self._position.values[:] = state["position"]
+        self.observation = state["observation"].copy()
+        self.elapsed = state["elapsed"].copy()
+        self._root = state["root"].copy()
+        self.divergences, self._episodes = (int(count) for count in state["counts"][:2])
+        self._forces_needed = bool(state["counts"][2])
+        for generator, words in zip(self._generators, state["generators"], strict=True):
+            _set_generator_state(generator, words)
+        if self._runner is not None:
+            prefix = "reward_"
+            self._runner.restore(
+                {
+                    name.removeprefix(prefix): array
+                    for name, array in state.items()
+                    if name.startswith(prefix)
+                }
+            )
+
+    def _gather(self) -> None:
+        self._qpos.read()
+        self._qvel.read()
+        self._position.read()
+        if self._forces_needed:
+            self._cfrc_ext.read()
+
+    def _need_forces(self) -> None:
+        """Compute contact forces now and after every step from now on."""
+        if not self._forces_needed:
+            self._forces_needed = True
+            for data in self.data:
+                mujoco.mj_rnePostConstraint(self.model, data)
+            self._cfrc_ext.read()
+
+    def _begin(self, index: int) -> None:
+        """Start an episode just as the official environment does, with its own code."""
+        data, environment = self.data[index], self.environment
+        mujoco.mj_resetData(self.model, data)
+        environment.data, environment.np_random = data, self._generators[index]
+        self.observation[index] = environment.reset_model()
+        self.elapsed[index] = 0
+        for gather in (self._qpos, self._qvel, self._position):
+            gather.read_one(index)
+        if self._runner is not None:
+            self._runner.reset(index)
+
+    def _end(self, ended: NDArray[np.intp], final: Array) -> None:
+        self._episodes += len(ended)
+        if (
+            self.divergences > TOLERATED_DIVERGENCES
+            and self.divergences > TOLERATED_SHARE * self._episodes
+        ):
+            raise UnstableSimulation(
+                f"The physics diverged in {self.divergences} of {self._episodes} episodes: this "
+                "body cannot be simulated with these motors."
+            )
+        if self._auto_reset:
+            self.observation = final.copy()
+            for index in ended.tolist():
+                self._begin(index)
+
+    def _settle_diverged(self) -> None:
+        self._warnings.read()
+        finite = np.isfinite(self.qpos.sum() + self.qvel.sum())
+        self.diverged = np.zeros(self.n, np.bool_)
+        if finite and not self._warnings.values.any():
+            return
+        self.diverged |= self._warnings.values.any(axis=1)
+        self.diverged |= ~(np.isfinite(self.qpos).all(axis=1) & np.isfinite(self.qvel).all(axis=1))
+        for index in np.flatnonzero(self.diverged).tolist():
+            self.divergences += 1
+            data = self.data[index]
+            mujoco.mj_resetData(self.model, data)
+            mujoco.mj_forward(self.model, data)
+            for gather in (self._qpos, self._qvel, self._cfrc_ext, self._position):
+                gather.read_one(index)
+
+
+class _Gather:
+    """The same array of all simulations as rows of one.
+
+    Attributes:
+        values: (n, size), overwritten by each reading.
+    """
+
+    def __init__(self, views: list[NDArray[Any]]) -> None:
+        self._views = views
+        self.values = np.zeros((len(views), views[0].size), views[0].dtype)
+        self._flat = self.values.reshape(-1)
+
+    def read(self) -> None:
+        np.concatenate(self._views, out=self._flat)
+
+    def read_one(self, index: int) -> None:
+        self.values[index] = self._views[index]
+
+
+def _no_reward(self: Any, x_velocity: float, action: Array) -> tuple[float, dict[str, float]]:
+    return 0.0, {}
+
+
+def _seed(generator: np.random.Generator, sequence: np.random.SeedSequence) -> None:
+    # In place: the reward of this simulation holds the same generator.
+    generator.bit_generator.state = np.random.PCG64(sequence).state
+
+
+def _generator_state(generator: np.random.Generator) -> NDArray[np.uint64]:
+    state = generator.bit_generator.state
+    big = (state["state"]["state"], state["state"]["inc"])
+    words = [word for number in big for word in (number >> 64, number & (2**64 - 1))]
+    return np.array([*words, state["has_uint32"], state["uinteger"]], np.uint64)
+
+
+def _set_generator_state(generator: np.random.Generator, words: NDArray[np.uint64]) -> None:
+    high, low, inc_high, inc_low, has_uint32, uinteger = (int(word) for word in words)
+    generator.bit_generator.state = {
+        "bit_generator": "PCG64",
+        "state": {"state": high << 64 | low, "inc": inc_high << 64 | inc_low},
+        "has_uint32": has_uint32,
+        "uinteger": uinteger,
+    }
