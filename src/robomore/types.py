@@ -47,6 +47,8 @@ class Status(StrEnum):
     """Raised, or returned something that is not a finite number, while training."""
     UNSTABLE = "unstable"
     """The simulation diverged."""
+    TRAINING_DIVERGED = "training-diverged"
+    """The trainer's own numbers did, which rewards of extreme size can cause."""
     TIMED_OUT = "timed-out"
     """Used up its wall-clock or CPU limit."""
     OUT_OF_MEMORY = "out-of-memory"
@@ -74,6 +76,8 @@ class Limits:
 
     wall_seconds: float = 3600.0
     reward_call_seconds: float = 1.0
+    stall_seconds: float = 300.0
+    """Longest time without any progress; compiling the trainer counts as none."""
     memory_bytes: int = 4 * 2**30
     file_bytes: int = 2**30
 

@@ -1,0 +1,97 @@
+"""The contained child: locks itself in, then calls one function that may run a stranger's code.
+
+Started by `contain.run_contained` in a fresh interpreter. Nothing of the stranger's is touched
+before all layers are on, and nothing that this process says afterwards is more than a claim.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import importlib
+import json
+import os
+import signal
+import traceback
+from pathlib import Path
+from typing import NoReturn
+
+from robomore.errors import (
+    InvalidMorphology,
+    InvalidReward,
+    RewardFailed,
+    UnstableSimulation,
+)
+from robomore.sandbox import pulse
+from robomore.sandbox.lock import CannotLock, Lock, lock
+from robomore.sandbox.wire import MAX_BODY, Kind, pack_number, send
+from robomore.types import Status
+
+_LONGEST = 20_000
+"""Characters of a diagnosis."""
+
+_STATUS: dict[type[BaseException], Status] = {
+    InvalidMorphology: Status.INVALID_MORPHOLOGY,
+    InvalidReward: Status.INVALID_REWARD,
+    RewardFailed: Status.REWARD_FAILED,
+    UnstableSimulation: Status.UNSTABLE,
+    MemoryError: Status.OUT_OF_MEMORY,
+}
+
+
+def main(replies: int, pulses: int) -> NoReturn:
+    """Serve the one request on standard input and end the process.
+
+    Args:
+        replies: descriptor of the pipe that frames go to.
+        pulses: descriptor of the page that `pulse` counts in.
+    """
+    with os.fdopen(0, "rb", closefd=False) as stdin:
+        header = json.loads(stdin.readline())
+        payload = stdin.read()
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    pulse.attach(pulses)
+    os.close(pulses)
+    # Lets the parent ask which line a stuck call is in, even while C code holds the interpreter.
+    faulthandler.register(signal.SIGUSR1, all_threads=False)
+    faulthandler.enable(all_threads=False)
+    try:
+        names = lock(Lock.from_json(header["lock"]))
+    except CannotLock as error:
+        send(replies, Kind.REFUSED, str(error).encode())
+        os._exit(1)
+    send(replies, Kind.LOCKED, json.dumps(names).encode())
+    try:
+        _serve(header["function"], payload, Path(header["scratch"]), replies)
+    finally:
+        # No atexit hook, thread or finaliser that a stranger left gets to run.
+        os._exit(0)
+
+
+def _serve(name: str, payload: bytes, scratch: Path, replies: int) -> None:
+    try:
+        module, _, function = name.partition(":")
+        call = getattr(importlib.import_module(module), function)
+        reply = call(payload, scratch, lambda n: send(replies, Kind.PROGRESS, pack_number(n)))
+        if not isinstance(reply, bytes) or len(reply) > MAX_BODY:
+            raise TypeError(f"{name} returned no bytes, or more than {MAX_BODY} of them")
+    except BaseException as error:  # noqa: BLE001  # a stranger may raise SystemExit and worse
+        with pulse.watched():
+            fault = _fault(error)
+        send(replies, Kind.FAULT, json.dumps(fault).encode())
+    else:
+        send(replies, Kind.REPLY, reply)
+
+
+def _fault(error: BaseException) -> tuple[str, str]:
+    """Return status and diagnosis of what `error` means for the evaluation."""
+    from robomore.sandbox.load import explain, reward_line
+
+    for kind, status in _STATUS.items():
+        if isinstance(error, kind):
+            said = explain(error) if kind is MemoryError else str(error)
+            return status, said[:_LONGEST]
+    if reward_line(error) is not None:
+        return Status.REWARD_FAILED, explain(error)[:_LONGEST]
+    return Status.FAILED, "".join(traceback.format_exception(error))[-_LONGEST:]

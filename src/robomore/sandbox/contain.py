@@ -1,0 +1,193 @@
+"""Runs a function in a process of its own that cannot reach anything but what it is given."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from robomore.errors import InputError
+from robomore.sandbox import pulse
+from robomore.sandbox.follow import Follower
+from robomore.sandbox.lock import Lock
+from robomore.sandbox.process import Child
+from robomore.types import Limits, Status
+
+
+class Containment(StrEnum):
+    """What to do on a machine that lacks a layer."""
+
+    STRICT = "strict"
+    """Refuse to start."""
+    RELAXED = "relaxed"
+    """Use the layers there are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contained:
+    """How a contained call ended.
+
+    Attributes:
+        status: `OK`, or why there is no reply.
+        reply: what the function returned; a stranger may have written it, so check its form.
+        diagnosis: empty when `OK`; else one paragraph for people and designers alike.
+        seconds: processor time used, over all threads.
+        peak_memory: most bytes resident.
+        log: the last of what was printed.
+        layers: names of the layers that were on.
+    """
+
+    status: Status
+    reply: bytes = b""
+    diagnosis: str = ""
+    seconds: float = 0.0
+    peak_memory: int = 0
+    log: str = ""
+    layers: tuple[str, ...] = ()
+
+
+def run_contained(
+    function: str,
+    payload: bytes,
+    scratch: Path,
+    limits: Limits,
+    *,
+    readable: Sequence[Path] = (),
+    writable: Sequence[Path] = (),
+    on_progress: Callable[[int], None] | None = None,
+    environment: Mapping[str, str] = {},
+    mode: Containment = Containment.STRICT,
+) -> Contained:
+    """Call `function(payload, scratch, report)` in a locked-in process and return how it ended.
+
+    Args:
+        function: `module:name`; called with payload, scratch folder and a function that reports
+            progress as an integer; returns bytes.
+        payload: handed over as it is.
+        scratch: working directory of the process and the folder that it may write to; made if
+            missing, never emptied here.
+        limits: when to give up.
+        readable: files and folders it may read besides Python, its packages and RoboMoRe.
+        writable: folders it may write to besides `scratch`.
+        on_progress: told the latest progress, some times a second at most.
+        environment: variables it gets besides the allow-list; never put a secret here.
+        mode: whether a missing layer is an error.
+
+    Raises:
+        InputError: a layer is missing and `mode` is strict.
+    """
+    scratch = scratch.resolve()
+    scratch.mkdir(parents=True, exist_ok=True)
+    cpu_seconds = int(_CPU_PER_WALL * limits.wall_seconds) + 1
+    header = {
+        "function": function,
+        "scratch": str(scratch),
+        "lock": Lock(
+            parent=os.getpid(),
+            readable=tuple(map(str, _needed(function) | {p.resolve() for p in readable})),
+            writable=tuple(map(str, [scratch, *(p.resolve() for p in writable)])),
+            memory_bytes=limits.memory_bytes,
+            file_bytes=limits.file_bytes,
+            cpu_seconds=cpu_seconds,
+            strict=mode is Containment.STRICT,
+        ).to_json(),
+    }
+    replies, reply_end = os.pipe()
+    with tempfile.TemporaryFile() as page, os.fdopen(replies, "rb", buffering=0) as frames:
+        page.truncate(pulse.SIZE)
+        ends = (reply_end, page.fileno())
+        try:
+            child = Child(
+                [sys.executable, "-P", "-s", "-c", _START, _search_path(), *map(str, ends)],
+                scratch,
+                _environment(scratch) | dict(environment),
+                ends,
+            )
+        finally:
+            os.close(reply_end)
+        follower = Follower(child, frames, page.fileno(), scratch, limits, cpu_seconds)
+        follower.follow(json.dumps(header).encode() + b"\n" + payload, on_progress)
+    if follower.refusal is not None:
+        raise InputError(
+            f"this machine cannot contain a stranger's code: {follower.refusal}; "
+            "`--containment relaxed` runs it with the layers that there are"
+        )
+    status, diagnosis = follower.verdict or (Status.FAILED, "followed to no end")
+    return Contained(
+        status,
+        follower.reply if status is Status.OK else b"",
+        diagnosis,
+        child.cpu_seconds,
+        follower.peak_memory,
+        follower.log,
+        follower.layers,
+    )
+
+
+_CPU_PER_WALL = 2.0
+"""Processor seconds allowed for each second of the wall-clock limit: training is single-threaded,
+compiling is not quite."""
+
+_START = (
+    "import sys; sys.path[:] = sys.argv.pop(1).split('\\n'); "
+    "from robomore.sandbox.child import main; main(int(sys.argv[1]), int(sys.argv[2]))"
+)
+"""The child gets our own search path, so that it runs the very code that we run."""
+
+_THREADS = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMEXPR_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+)
+
+
+def _environment(scratch: Path) -> dict[str, str]:
+    """Return all variables that the child gets; none of ours but where libraries are found."""
+    kept = {name: os.environ[name] for name in ("LD_LIBRARY_PATH",) if name in os.environ}
+    return kept | {
+        "PATH": os.defpath,
+        "HOME": str(scratch),
+        "TMPDIR": str(scratch),
+        "LANG": "C.UTF-8",
+        "TZ": "UTC",
+        # Sets of strings must iterate in the same order every time, or sums differ in a digit.
+        "PYTHONHASHSEED": "0",
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTHONUTF8": "1",
+        **dict.fromkeys(_THREADS, "1"),
+    }
+
+
+def _search_path() -> str:
+    return "\n".join(_entries())
+
+
+def _entries() -> list[str]:
+    return [entry for entry in sys.path if Path(entry).is_absolute()]
+
+
+def _needed(function: str) -> set[Path]:
+    """Return what must be readable to import Python, packages, RoboMoRe and `function`."""
+    needed = {Path(sysconfig.get_path(name)) for name in ("stdlib", "platstdlib")}
+    needed |= {Path(entry) for entry in _entries() if Path(entry).name in _PACKAGES}
+    needed |= {Path(entry) for entry in _entries() if entry.endswith((".zip", "lib-dynload"))}
+    needed |= {Path(prefix) / "lib" for prefix in (sys.prefix, sys.base_prefix)}
+    for package in {"robomore", function.partition(":")[0].partition(".")[0]}:
+        spec = importlib.util.find_spec(package)
+        if spec is not None and spec.submodule_search_locations:
+            needed |= {Path(folder) for folder in spec.submodule_search_locations}
+        elif spec is not None and spec.origin is not None:
+            needed.add(Path(spec.origin))
+    return {path.resolve() for path in needed if path.exists()}
+
+
+_PACKAGES = ("site-packages", "dist-packages")

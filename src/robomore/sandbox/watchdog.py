@@ -1,0 +1,127 @@
+"""Decides when a contained child has had enough. Pure: it is told what there is to see."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robomore.sandbox.usage import Usage
+from robomore.types import Limits, Status
+
+Verdict = tuple[Status, str]
+"""A status and its diagnosis."""
+
+LONGEST_LOOK = 1.0
+"""Seconds charged for the time between two looks at most: where more went by, the machine slept or
+the parent was stopped, which is not the child's fault."""
+
+_IDLE_FACTOR = 5.0
+"""A reward call is charged its processor time; one that computes nothing (it sleeps, or the machine
+is crowded) may take this many times the limit, so that load alone never fails an innocent."""
+_MOST_THREADS = 128
+_PRINTED_MOST = 64 * 2**20
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """What the parent sees of the child at one look.
+
+    Attributes:
+        calls: the counter of `pulse`.
+        progress: the latest progress told, `None` before any.
+        printed: bytes printed so far.
+        usage: what the kernel says of it, `None` where that cannot be read.
+        left_on_disk: bytes in its folder; `None` where there are too many files to count.
+    """
+
+    calls: int
+    progress: int | None
+    printed: int
+    usage: Usage | None
+    left_on_disk: int | None
+
+
+class Watchdog:
+    """Follows one child under `limits`; call `look` some times a second."""
+
+    def __init__(self, limits: Limits, cpu_seconds: float) -> None:
+        self._limits = limits
+        self._cpu_seconds = cpu_seconds
+        self._elapsed = 0.0
+        self._best: int | None = None
+        self._stalled = 0.0
+        self._calls = 0
+        self._called = 0.0
+        self._cpu_before = 0.0
+
+    def look(self, seconds: float, sight: Sight) -> Verdict | None:
+        """Return why the child must end now, or `None`.
+
+        Args:
+            seconds: since the last look.
+            sight: what there is to see.
+        """
+        seconds = min(seconds, LONGEST_LOOK)
+        return (
+            self._wall(seconds)
+            or self._call(seconds, sight)
+            or self._stall(seconds, sight)
+            or self._usage(sight)
+            or self._output(sight)
+        )
+
+    def _wall(self, seconds: float) -> Verdict | None:
+        self._elapsed += seconds
+        if self._elapsed > self._limits.wall_seconds:
+            limit = self._limits.wall_seconds
+            return Status.TIMED_OUT, f"not finished after its {limit:g} s of wall-clock time"
+        return None
+
+    def _call(self, seconds: float, sight: Sight) -> Verdict | None:
+        cpu = sight.usage.cpu if sight.usage else 0.0
+        inside = sight.calls % 2 == 1
+        if not inside or sight.calls != self._calls:
+            self._calls, self._called, self._cpu_before = sight.calls, 0.0, cpu
+            return None
+        self._called += seconds
+        limit = self._limits.reward_call_seconds
+        computed = cpu - self._cpu_before if sight.usage else self._called
+        if computed > limit or self._called > _IDLE_FACTOR * limit:
+            return Status.TIMED_OUT, f"one call of the reward did not return within {limit:g} s"
+        return None
+
+    def _stall(self, seconds: float, sight: Sight) -> Verdict | None:
+        if sight.progress is not None and (self._best is None or sight.progress > self._best):
+            self._best, self._stalled = sight.progress, 0.0
+            return None
+        self._stalled += seconds
+        if self._stalled > self._limits.stall_seconds:
+            limit = self._limits.stall_seconds
+            return Status.TIMED_OUT, f"made no progress for {limit:g} s"
+        return None
+
+    def _usage(self, sight: Sight) -> Verdict | None:
+        if sight.usage is None:
+            return None
+        if sight.usage.memory > self._limits.memory_bytes:
+            limit = self._limits.memory_bytes / 2**20
+            return Status.OUT_OF_MEMORY, f"used more than its {limit:.0f} MiB of memory"
+        if sight.usage.cpu > self._cpu_seconds:
+            return Status.TIMED_OUT, f"used up its {self._cpu_seconds:g} s of processor time"
+        if sight.usage.threads > _MOST_THREADS:
+            return Status.REWARD_FAILED, f"the reward started more than {_MOST_THREADS} threads"
+        return None
+
+    def _output(self, sight: Sight) -> Verdict | None:
+        if sight.printed > _PRINTED_MOST:
+            return (
+                Status.REWARD_FAILED,
+                f"printed more than {_PRINTED_MOST >> 20} MiB; a reward must not print",
+            )
+        most = 2 * self._limits.file_bytes
+        if sight.left_on_disk is None or sight.left_on_disk > most:
+            return (
+                Status.REWARD_FAILED,
+                f"left too many files, or more than {most >> 20} MiB of them, in its folder; "
+                "a reward must not write files",
+            )
+        return None

@@ -1,0 +1,81 @@
+"""What a contained child says to its parent: small frames on a pipe, parsed with bounds.
+
+Once a stranger's code runs in the child it can write anything at all to this pipe, so the parent
+believes no more of a frame than that its kind is known and its length allowed.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from enum import IntEnum
+
+MAX_BODY = 16 * 2**20
+"""Longest body of one frame, in bytes."""
+
+
+class Kind(IntEnum):
+    """What a frame carries."""
+
+    LOCKED = 1
+    """The layers are on; JSON list of their names. Comes before any stranger's code runs."""
+    REFUSED = 2
+    """A layer could not be put on and the child stopped; the reason as text."""
+    PROGRESS = 3
+    """Units of work done, as one signed 64-bit integer."""
+    REPLY = 4
+    """What the function returned."""
+    FAULT = 5
+    """JSON list of status and diagnosis: how the function ended instead."""
+
+
+class MalformedFrame(ValueError):
+    """Bytes that no honest child sends."""
+
+
+_HEAD = struct.Struct("<BI")
+_NUMBER = struct.Struct("<q")
+
+
+def send(descriptor: int, kind: Kind, body: bytes) -> None:
+    """Write one frame, whole."""
+    rest = memoryview(_HEAD.pack(kind, len(body)) + body)
+    while rest:
+        rest = rest[os.write(descriptor, rest) :]
+
+
+def pack_number(value: int) -> bytes:
+    return _NUMBER.pack(value)
+
+
+def unpack_number(body: bytes) -> int:
+    """Raises `MalformedFrame` where `body` is not one 64-bit integer."""
+    if len(body) != _NUMBER.size:
+        raise MalformedFrame(f"a progress frame of {len(body)} bytes")
+    return int(_NUMBER.unpack(body)[0])
+
+
+class Frames:
+    """Cuts what arrives on the pipe into frames, holding at most one of them unfinished."""
+
+    def __init__(self) -> None:
+        self._held = bytearray()
+
+    def feed(self, arrived: bytes) -> list[tuple[Kind, bytes]]:
+        """Return the frames that `arrived` completes.
+
+        Raises:
+            MalformedFrame: an unknown kind, or a body longer than `MAX_BODY`.
+        """
+        self._held += arrived
+        frames = []
+        while len(self._held) >= _HEAD.size:
+            number, length = _HEAD.unpack_from(self._held)
+            if number not in Kind.__members__.values() or length > MAX_BODY:
+                raise MalformedFrame(f"a frame of kind {number} and {length} bytes")
+            end = _HEAD.size + length
+            if len(self._held) < end:
+                break
+            frames.append((Kind(number), bytes(self._held[_HEAD.size : end])))
+            del self._held[:end]
+        return frames
