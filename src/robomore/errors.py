@@ -56,3 +56,11 @@ class UnstableSimulation(RoboMoReError):
 
 class NothingTrained(RoboMoReError):
     """Every candidate failed; the message counts the reasons and quotes the most frequent one."""
+
+
+class ModelUnavailable(RoboMoReError):
+    """An LLM did not answer after bounded retries; run again to go on from where it stopped."""
+
+
+class TrainingDiverged(RoboMoReError):
+    """A weight or a loss of the trainer is no longer a finite number."""

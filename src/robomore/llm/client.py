@@ -1,0 +1,216 @@
+"""A model reached through pydantic-ai's model classes, without its agents."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import threading
+import time
+from collections.abc import Callable, Coroutine, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, TypeVar, cast
+
+from genai_prices import Usage, calc_price
+from pydantic_ai.direct import model_request
+from pydantic_ai.exceptions import UserError
+from pydantic_ai.messages import (
+    BinaryContent,
+    ModelMessage,
+    ModelRequest,
+    ModelResponse,
+    SystemPromptPart,
+    TextPart,
+    UserContent,
+    UserPromptPart,
+)
+from pydantic_ai.models import Model, ModelRequestParameters
+from pydantic_ai.output import OutputObjectDefinition
+from pydantic_ai.settings import ModelSettings
+
+from robomore.errors import InputError
+from robomore.llm.faults import FAULTS, SchemaRefused, translate
+from robomore.llm.model import Completion, Message, Request, Sampling
+from robomore.llm.retry import Patience, persist
+from robomore.llm.tokens import estimate_prompt, estimate_tokens
+
+_log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+
+class LibraryModel:
+    """A `ChatModel` on one of pydantic-ai's model classes.
+
+    A JSON schema is handed to the provider until it refuses one; from then on the form is asked
+    for in words alone, which the prompt does anyway.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        model: Model,
+        price: tuple[float, float] | None,
+        patience: Patience,
+        sleep: Callable[[float], object] = time.sleep,
+    ) -> None:
+        """Wrap `model`. `price` is in US dollars per million tokens, in and out."""
+        self.name = name
+        self._model = model
+        self._price = price
+        self._patience = patience
+        self._sleep = sleep
+        self._schemas = True
+        self._loop = _Loop()
+
+    def complete(self, request: Request) -> Completion:
+        """Answer (see `ChatModel.complete`)."""
+        started = time.monotonic()
+        structured = request.schema is not None and self._schemas
+        try:
+            response, tries = self._persist(request, structured)
+        except SchemaRefused as refused:
+            # Only an answer without the schema shows that the schema was what it refused.
+            response, tries = self._persist(request, structured=False)
+            tries += 1
+            structured = self._schemas = False
+            _log.warning("%s takes no JSON schema (%s); asking in words", self.name, refused)
+        return self._completion(request, response, tries, structured, started)
+
+    def cost(self, input_tokens: int, output_tokens: int) -> float | None:
+        """Return the price of so many tokens in US dollars, `None` where no price is known."""
+        if self._price is not None:
+            return (input_tokens * self._price[0] + output_tokens * self._price[1]) / 1e6
+        usage = Usage(input_tokens=input_tokens, output_tokens=output_tokens)
+        try:
+            price = calc_price(
+                usage, model_ref=self._model.model_name, provider_api_url=self._model.base_url
+            )
+        except (LookupError, ValueError):
+            return None
+        return float(price.total_price)
+
+    def _persist(self, request: Request, structured: bool) -> tuple[ModelResponse, int]:
+        return persist(lambda: self._once(request, structured), self._patience, self._sleep)
+
+    def _once(self, request: Request, structured: bool) -> ModelResponse:
+        with self._translated(structured):
+            return self._loop.run(
+                model_request(
+                    self._model,
+                    _messages(request.messages),
+                    model_settings=self._settings(request.sampling),
+                    model_request_parameters=_parameters(request.schema if structured else None),
+                )
+            )
+
+    @contextmanager
+    def _translated(self, structured: bool) -> Iterator[None]:
+        try:
+            yield
+        except FAULTS as error:
+            raise translate(error, self.name, str(self._model.base_url), structured) from None
+        except UserError as error:
+            # The library knows beforehand that this model takes no schema, or no pictures.
+            if structured:
+                raise SchemaRefused(str(error)) from None
+            raise InputError(f"{self.name} cannot be asked like this: {error}") from None
+
+    def _settings(self, sampling: Sampling) -> ModelSettings:
+        settings: dict[str, Any] = {
+            "timeout": self._patience.seconds,
+            "request_timeout": self._patience.seconds,
+            # Trying again is counted and bounded here, not a second time below.
+            "max_retries": 0,
+            # Providers that keep conversations for their own use are asked not to.
+            "openai_store": False,
+            "temperature": sampling.temperature,
+            "max_tokens": sampling.max_output_tokens,
+            "seed": sampling.seed,
+            "thinking": sampling.effort,
+        }
+        given = {name: value for name, value in settings.items() if value is not None}
+        return cast(ModelSettings, given)
+
+    def _completion(
+        self,
+        request: Request,
+        response: ModelResponse,
+        tries: int,
+        structured: bool,
+        started: float,
+    ) -> Completion:
+        text = response.text or ""
+        usage = response.usage
+        input_tokens, output_tokens = usage.input_tokens, usage.output_tokens
+        if usage.unmeasured_requests or not input_tokens:
+            input_tokens = estimate_prompt(request.messages)
+            output_tokens = estimate_tokens(text)
+        cost = self.cost(input_tokens, output_tokens)
+        if self._price is None and cost is not None and not usage.unmeasured_requests:
+            # Cached input has a price of its own, which only the whole usage tells.
+            try:
+                cost = float(response.cost().total_price)
+            except (LookupError, ValueError):
+                _log.debug("no exact price for this answer of %s", self.name)
+        return Completion(
+            text=text,
+            truncated=response.finish_reason == "length",
+            input_tokens=input_tokens,
+            output_tokens=output_tokens,
+            cost=cost,
+            seconds=time.monotonic() - started,
+            tries=tries,
+            structured=structured,
+        )
+
+
+class _Loop:
+    """An event loop in a thread of its own.
+
+    The library's connections live in one loop, while requests come from any thread, also from one
+    with a running loop of its own (a notebook).
+    """
+
+    def __init__(self) -> None:
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._lock = threading.Lock()
+
+    def run(self, work: Coroutine[Any, Any, T]) -> T:
+        with self._lock:
+            if self._loop is None:
+                self._loop = asyncio.new_event_loop()
+                threading.Thread(target=self._loop.run_forever, name="llm", daemon=True).start()
+        future = asyncio.run_coroutine_threadsafe(work, self._loop)
+        try:
+            return future.result()
+        except BaseException:
+            future.cancel()
+            raise
+
+
+def _messages(messages: Sequence[Message]) -> list[ModelMessage]:
+    converted: list[ModelMessage] = []
+    parts: list[SystemPromptPart | UserPromptPart] = []
+    for message in messages:
+        if message.role == "assistant":
+            converted += [ModelRequest(parts), ModelResponse([TextPart(message.text)])]
+            parts = []
+        elif message.role == "system":
+            parts.append(SystemPromptPart(message.text))
+        else:
+            seen = [BinaryContent(image, media_type="image/png") for image in message.images]
+            content: list[UserContent] = [message.text, *seen]
+            parts.append(UserPromptPart(content if seen else message.text))
+    return [*converted, ModelRequest(parts)]
+
+
+def _parameters(schema: dict[str, Any] | None) -> ModelRequestParameters:
+    if schema is None:
+        return ModelRequestParameters()
+    # Some adapters rewrite the schema in place.
+    own = json.loads(json.dumps(schema))
+    name = str(own.pop("title", "answer"))
+    return ModelRequestParameters(
+        output_mode="native", output_object=OutputObjectDefinition(json_schema=own, name=name)
+    )

@@ -1,0 +1,142 @@
+"""The one way to a model: nothing is paid twice, nothing is lost, and a budget is kept."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from robomore.errors import BudgetExhausted, InputError
+from robomore.llm.exchange import Exchange, ExchangeLog, Spending, exchange_key
+from robomore.llm.model import ChatModel, Request
+from robomore.llm.tokens import estimate_prompt
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class ModelBudget:
+    """What a run may spend on a model in all, interruptions included. `None` is no limit.
+
+    Attributes:
+        requests: sent, those in vain included.
+        tokens: in and out. The prompt's estimate is counted before it is sent, so the limit can be
+            passed by the length of an answer at most (of each answer under way).
+        cost: in US dollars; kept like `tokens`.
+    """
+
+    requests: int | None = None
+    tokens: int | None = None
+    cost: float | None = None
+
+
+class Correspondence:
+    """A model, the log of what was said to it, and a budget."""
+
+    def __init__(
+        self, model: ChatModel, log: ExchangeLog, budget: ModelBudget | None = None
+    ) -> None:
+        """Raises `InputError` for a cost limit on a model whose price nobody knows."""
+        self._model = model
+        self._log = log
+        self._budget = budget or ModelBudget()
+        self._under_way: list[Spending] = []
+        self._lock = threading.Lock()
+        if self._budget.cost is not None and model.cost(1000, 1000) is None:
+            raise InputError(
+                f"no price is known for {model.name}, so a limit of ${self._budget.cost:g} cannot "
+                "be kept; give its price (--price IN,OUT in dollars per million tokens) or limit "
+                "--max-tokens"
+            )
+
+    @property
+    def model(self) -> ChatModel:
+        return self._model
+
+    def spent(self) -> Spending:
+        """Return what the run has spent so far."""
+        with self._lock:
+            return self._log.spent()
+
+    def ask(self, request: Request) -> Exchange:
+        """Return the exchange of `request`: the kept one, or a new one that is kept at once.
+
+        Raises:
+            BudgetExhausted: the budget does not allow another request.
+            InputError: the model can never be asked like this.
+            ModelUnavailable: the model did not answer.
+        """
+        key = exchange_key(self._model.name, request)
+        with self._lock:
+            kept = self._log.find(key)
+        if kept is not None:
+            return kept
+        with self._reserved(request):
+            completion = self._model.complete(request)
+            exchange = Exchange(
+                key=key,
+                slot=request.slot,
+                repair=request.repair,
+                model=self._model.name,
+                messages=request.messages,
+                sampling=request.sampling,
+                # A lone surrogate can come out of any JSON and goes into no UTF-8 file.
+                reply=completion.text.encode("utf-8", "replace").decode("utf-8"),
+                truncated=completion.truncated,
+                input_tokens=completion.input_tokens,
+                output_tokens=completion.output_tokens,
+                cost=completion.cost,
+                seconds=completion.seconds,
+                tries=completion.tries,
+                structured=completion.structured,
+                findings=completion.verdict,
+            )
+            # Kept before anybody reads it: whatever happens next, it is not paid for again.
+            with self._lock:
+                self._log.add(exchange)
+        _log.info(
+            "%s answered %s in %.1f s (%d + %d tokens)",
+            exchange.model,
+            request.slot,
+            exchange.seconds,
+            exchange.input_tokens,
+            exchange.output_tokens,
+        )
+        return exchange
+
+    def judge(self, exchange: Exchange, findings: Sequence[str]) -> None:
+        """Write down what was wrong with an exchange's reply; nothing if it was accepted."""
+        if exchange.findings != tuple(findings):
+            with self._lock:
+                self._log.judge(exchange.key, findings)
+
+    @contextmanager
+    def _reserved(self, request: Request) -> Iterator[None]:
+        """Count a request as spent while it is under way, so that parallel ones see it."""
+        prompt = estimate_prompt(request.messages)
+        expected = Spending(1, prompt, self._model.cost(prompt, 0) or 0.0)
+        with self._lock:
+            self._check(expected)
+            self._under_way.append(expected)
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._under_way.remove(expected)
+
+    def _check(self, expected: Spending) -> None:
+        spent = self._log.spent()
+        planned = [spent, *self._under_way, expected]
+        for option, limit, total, so_far in (
+            ("--max-requests", self._budget.requests, sum(p.requests for p in planned), "requests"),
+            ("--max-tokens", self._budget.tokens, sum(p.tokens for p in planned), "tokens"),
+            ("--max-cost", self._budget.cost, sum(p.cost for p in planned), "dollars"),
+        ):
+            if limit is not None and total > limit:
+                raise BudgetExhausted(
+                    f"the budget of {limit:g} {so_far} does not allow another request (so far: "
+                    f"{spent.requests} requests, {spent.tokens} tokens, ${spent.cost:.2f}); "
+                    f"nothing is lost: run the same command with a larger {option} to go on"
+                )

@@ -1,0 +1,119 @@
+"""From a model's name to a connected model. The provider's library is imported here, on demand."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import re
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+from robomore.errors import InputError
+from robomore.llm.retry import Patience
+
+if TYPE_CHECKING:
+    from robomore.llm.client import LibraryModel
+
+COMPATIBLE_KEY = "ROBOMORE_LLM_KEY"
+"""Environment variable whose value is sent as the key to a `--base-url`. Keys of other providers
+are never sent to a URL of the user's choice."""
+_OLLAMA = "http://127.0.0.1:11434/v1"
+_INSTALL = "pip install 'robomore[llm]'"
+
+
+def connect(
+    model: str,
+    base_url: str | None = None,
+    price: tuple[float, float] | None = None,
+    patience: Patience | None = None,
+) -> LibraryModel:
+    """Return a model by name; nothing is sent yet.
+
+    Args:
+        model: `PROVIDER:NAME`, e.g. `anthropic:NAME`; with `base_url` the server's own name.
+        base_url: of an OpenAI-compatible server, e.g. `http://127.0.0.1:8080/v1`.
+        price: US dollars per million tokens in and out, where the price list does not know better.
+        patience: how often to try, and how long.
+
+    Raises:
+        InputError: the name, the key or the library is missing or wrong, with the remedy.
+    """
+    try:
+        from robomore.llm.client import LibraryModel
+
+        if base_url is not None:
+            library = _compatible(model, base_url)
+            name = f"compatible:{model}"
+        else:
+            library = _known(model)
+            name = model
+    except ImportError as error:
+        raise InputError(_missing(error)) from None
+    if price is None and _is_local(base_url or (_ollama() if model.startswith("ollama:") else "")):
+        price = (0.0, 0.0)
+    return LibraryModel(name, library, price, patience or Patience())
+
+
+def _compatible(model: str, base_url: str) -> Any:
+    from pydantic_ai.models.openai import OpenAIChatModel
+    from pydantic_ai.providers.openai_compatible import OpenAICompatibleProvider
+
+    if urlsplit(base_url).scheme not in ("http", "https") or not urlsplit(base_url).hostname:
+        raise InputError(
+            f"--base-url {base_url!r} is no URL; it looks like http://127.0.0.1:8080/v1"
+        )
+    if not model:
+        raise InputError("--base-url needs --model NAME, the name under which the server serves it")
+    # Servers without keys still expect something in the header.
+    key = os.environ.get(COMPATIBLE_KEY) or "none"
+    provider = OpenAICompatibleProvider("compatible", base_url=base_url, api_key=key)
+    return OpenAIChatModel(model, provider=provider)
+
+
+def _known(model: str) -> Any:
+    from pydantic_ai.exceptions import UserError
+    from pydantic_ai.models import infer_model
+    from pydantic_ai.models.ollama import OllamaModel
+    from pydantic_ai.providers.ollama import OllamaProvider
+
+    provider, colon, name = model.partition(":")
+    if not colon or not provider or not name:
+        raise InputError(
+            f"model {model!r} is not PROVIDER:NAME; for example openai:NAME, anthropic:NAME, "
+            "google:NAME or ollama:NAME, or give the --base-url of a compatible server"
+        )
+    if provider == "ollama":
+        return OllamaModel(name, provider=OllamaProvider(base_url=_ollama()))
+    try:
+        return infer_model(model)
+    except UserError as error:
+        variable = re.search(r"\b[A-Z][A-Z_]*_(?:KEY|TOKEN)\b", str(error))
+        if variable:
+            raise InputError(
+                f"{provider} needs its key in the environment: {variable[0]} is not set"
+            ) from None
+        raise InputError(f"model {model!r} cannot be used: {_first_line(error)}") from None
+
+
+def _ollama() -> str:
+    return os.environ.get("OLLAMA_BASE_URL") or _OLLAMA
+
+
+def _is_local(base_url: str) -> bool:
+    """Return whether a URL points to this machine, where tokens cost nothing."""
+    host = urlsplit(base_url).hostname or ""
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _missing(error: ImportError) -> str:
+    extra = re.search(r"pydantic-ai-slim\[([\w-]+)\]", str(error))
+    if extra and extra[1] not in ("openai", "anthropic", "google"):
+        return f"this provider needs one more package: pip install {extra[0]!r}"
+    return f"a language model needs packages that are not installed: {_INSTALL}"
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).partition("\n")[0]

@@ -1,0 +1,79 @@
+"""Whether a model answers, and whether it can be held to a form: `robomore llm check`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Literal
+
+from robomore.llm.model import ChatModel, Completion, Message, Request, Sampling
+from robomore.types import Slot
+
+_SCHEMA = {
+    "title": "check",
+    "type": "object",
+    "properties": {"length": {"type": "number", "minimum": 0, "maximum": 10}},
+    "required": ["length"],
+    "additionalProperties": False,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """What two small requests showed.
+
+    Attributes:
+        model: the model's name.
+        reply: its answer to a plain question, shortened.
+        structured: `schema` if it keeps a JSON schema, `words` if it gives JSON when asked in
+            words, `no` if neither.
+        seconds: for both answers.
+        tokens: of both exchanges.
+        cost: in US dollars; `None` where no price is known.
+    """
+
+    model: str
+    reply: str
+    structured: Literal["schema", "words", "no"]
+    seconds: float
+    tokens: int
+    cost: float | None
+
+
+def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
+    """Ask `model` two small questions.
+
+    Raises:
+        InputError: it can never work like this, with the reason.
+        ModelUnavailable: it does not answer.
+    """
+    sampling = sampling or Sampling()
+    plain = model.complete(_request("Answer with the single word: ready", 0, sampling, False))
+    form = 'Answer with JSON alone, of the form {"length": 2.5}, any number from 0 to 10.'
+    formed = model.complete(_request(form, 1, sampling, True))
+    costs = (plain.cost, formed.cost)
+    return Check(
+        model=model.name,
+        reply=" ".join(plain.text.split())[:80],
+        structured=_kept(formed),
+        seconds=plain.seconds + formed.seconds,
+        tokens=sum(c.input_tokens + c.output_tokens for c in (plain, formed)),
+        cost=None if None in costs else sum(cost or 0.0 for cost in costs),
+    )
+
+
+def _request(text: str, index: int, sampling: Sampling, schema: bool) -> Request:
+    slot = Slot("check", "check", 0, index)
+    return Request(slot, 0, (Message("user", text),), _SCHEMA if schema else None, sampling)
+
+
+def _kept(completion: Completion) -> Literal["schema", "words", "no"]:
+    text = completion.text
+    try:
+        # In words, a model may put its JSON between fences; the parsers take that.
+        found = json.loads(text if completion.structured else text[text.find("{") :].strip("` \n"))
+    except ValueError:
+        return "no"
+    if not isinstance(found, dict) or not isinstance(found.get("length"), int | float):
+        return "no"
+    return "schema" if completion.structured else "words"

@@ -1,0 +1,184 @@
+"""A server on loopback that speaks the OpenAI protocol, and misbehaves when it is told to."""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+KEY = "sk-test-0123456789abcdef"
+
+
+@dataclass
+class Script:
+    """What the server does with each request in turn; the last entry is repeated.
+
+    Attributes:
+        steps: names of `_Handler` methods, or (`say`, text).
+        seen: bodies of the requests, in order.
+        keys: the authorization of each request.
+    """
+
+    steps: list[str | tuple[str, str]]
+    seen: list[dict[str, Any]] = field(default_factory=list)
+    keys: list[str] = field(default_factory=list)
+    stop: threading.Event = field(default_factory=threading.Event)
+
+
+class _Handler(BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.1"
+    script: Script
+
+    def log_message(self, format: str, *args: object) -> None:
+        """Say nothing."""
+
+    def do_POST(self) -> None:
+        body = json.loads(self.rfile.read(int(self.headers["content-length"])))
+        number = len(self.script.seen)
+        self.script.seen.append(body)
+        self.script.keys.append(self.headers.get("authorization", ""))
+        step = self.script.steps[min(number, len(self.script.steps) - 1)]
+        if isinstance(step, tuple):
+            self.say(step[1])
+        else:
+            getattr(self, step)()
+
+    def say(self, text: str | None = "ready", **changes: Any) -> None:
+        answer = {
+            "id": "answer",
+            "object": "chat.completion",
+            "created": 1,
+            "model": "toy",
+            "choices": [
+                {
+                    "index": 0,
+                    "message": {"role": "assistant", "content": text},
+                    "finish_reason": "stop",
+                }
+            ],
+            "usage": {"prompt_tokens": 100, "completion_tokens": 20, "total_tokens": 120},
+        }
+        self.send(200, json.dumps(answer | changes))
+
+    def busy(self) -> None:
+        self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "7"})
+
+    def busy_for_an_hour(self) -> None:
+        self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "3600"})
+
+    def no_money(self) -> None:
+        self.fail(429, "you exceeded your current quota", "insufficient_quota")
+
+    def broken(self) -> None:
+        self.send(500, "oops", "text/plain")
+
+    def unavailable(self) -> None:
+        self.fail(503, "loading the model", "unavailable")
+
+    def wrong_key(self) -> None:
+        key = self.headers["authorization"].removeprefix("Bearer ")
+        self.fail(401, f"incorrect key provided: {key}", "invalid_api_key")
+
+    def wrong_model(self) -> None:
+        self.fail(404, "the model 'toy' does not exist", "model_not_found")
+
+    def wrong_path(self) -> None:
+        self.send(404, "<!doctype html><html><body>nothing here</body></html>", "text/html")
+
+    def no_schema(self) -> None:
+        asked = self.script.seen[-1]
+        if "response_format" in asked:
+            self.fail(400, "response_format is not supported", "invalid_request_error")
+        else:
+            self.say('{"length": 1}')
+
+    def refused(self) -> None:
+        key = self.headers["authorization"]
+        self.fail(400, f"temperature is not supported; you sent {key}", "invalid_request_error")
+
+    def too_long(self) -> None:
+        self.fail(400, "maximum context length is 10 tokens", "context_length_exceeded")
+
+    def page(self) -> None:
+        self.send(200, "<!doctype html><html><body>please log in</body></html>", "text/html")
+
+    def half(self) -> None:
+        self.send(200, '{"id": "answer", "object": "chat.compl')
+
+    def no_choices(self) -> None:
+        self.say(choices=[])
+
+    def null_choices(self) -> None:
+        self.say(choices=None)
+
+    def silent(self) -> None:
+        self.say(None)
+
+    def uncounted(self) -> None:
+        self.say("ready", usage=None)
+
+    def surrogate(self) -> None:
+        self.say("a\ud800b")
+
+    def cut_off(self) -> None:
+        message = {"role": "assistant", "content": '{"length": '}
+        self.say(choices=[{"index": 0, "message": message, "finish_reason": "length"}])
+
+    def drop(self) -> None:
+        self.send_response(200)
+        self.send_header("content-type", "application/json")
+        self.send_header("content-length", "1000")
+        self.end_headers()
+        self.wfile.write(b'{"id": "answer", "obj')
+        self.wfile.flush()
+        self.connection.shutdown(socket.SHUT_RDWR)
+        self.close_connection = True
+
+    def stall(self) -> None:
+        self.script.stop.wait(60)
+        self.close_connection = True
+
+    def fail(
+        self, status: int, message: str, code: str, headers: dict[str, str] | None = None
+    ) -> None:
+        body = {"error": {"message": message, "type": code, "code": code}}
+        self.send(status, json.dumps(body), headers=headers)
+
+    def send(
+        self,
+        status: int,
+        body: str,
+        kind: str = "application/json",
+        headers: dict[str, str] | None = None,
+    ) -> None:
+        data = body.encode()
+        self.send_response(status)
+        for name, value in (headers or {}).items():
+            self.send_header(name, value)
+        self.send_header("content-type", kind)
+        self.send_header("content-length", str(len(data)))
+        self.end_headers()
+        self.wfile.write(data)
+
+
+@contextmanager
+def serve(*steps: str | tuple[str, str]) -> Iterator[tuple[str, Script]]:
+    """Serve `steps` in turn; gives the base URL and what was seen."""
+    script = Script(list(steps))
+    handler = type("Handler", (_Handler,), {"script": script})
+    server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    server.daemon_threads = True
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}/v1", script
+    finally:
+        script.stop.set()
+        server.shutdown()
+        server.server_close()
+        thread.join()

@@ -1,0 +1,220 @@
+"""Exchanges are found again, counted, bounded, and replayed."""
+
+from __future__ import annotations
+
+import dataclasses
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scripted import ScriptedModel
+
+from robomore.errors import BudgetExhausted, InputError, ModelUnavailable
+from robomore.llm import (
+    Completion,
+    Correspondence,
+    Exchange,
+    MemoryLog,
+    Message,
+    ModelBudget,
+    ReplayModel,
+    Request,
+    Sampling,
+    Spending,
+    exchange_key,
+)
+from robomore.llm.retry import Passing, Patience, persist
+from robomore.llm.tokens import estimate_prompt, estimate_tokens
+from robomore.types import Slot
+
+SLOT = Slot("coarse", "morphology", 0, 0)
+
+
+def request(text: str = "hello", slot: Slot = SLOT, repair: int = 0, **changes) -> Request:
+    return Request(slot, repair, (Message("user", text),), **changes)
+
+
+def test_the_same_request_is_paid_for_once() -> None:
+    model, log = ScriptedModel(["one", "two"]), MemoryLog()
+    first = Correspondence(model, log).ask(request())
+    again = Correspondence(model, log).ask(request())  # a resumed run
+    assert first == again and first.reply == "one"
+    assert len(model.asked) == 1 and log.spent() == Spending(1, 1100, 0.01, 0)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        request("hello", dataclasses.replace(SLOT, branch=1)),
+        request("hello", dataclasses.replace(SLOT, index=1)),
+        request("hello", dataclasses.replace(SLOT, attempt=1)),
+        request("hello", dataclasses.replace(SLOT, stage="fine")),
+        request("hello", dataclasses.replace(SLOT, kind="reward")),
+        request("hello", repair=1),
+        request("hello!"),
+        request(sampling=Sampling(temperature=0.5)),
+    ],
+)
+def test_what_makes_two_exchanges(other: Request) -> None:
+    assert exchange_key("m", request()) != exchange_key("m", other)
+
+
+def test_what_does_not_change_an_exchange() -> None:
+    pictured = Request(SLOT, 0, (Message("user", "hello", (b"png",)),))
+    assert exchange_key("m", request()) == exchange_key("m", pictured)
+    assert exchange_key("m", request()) == exchange_key("m", request(schema={"type": "object"}))
+    assert exchange_key("m", request()) != exchange_key("n", request())
+
+
+def test_an_exchange_is_kept_before_anybody_reads_it_and_judged_later() -> None:
+    log = MemoryLog()
+    correspondence = Correspondence(ScriptedModel(["one"]), log)
+    exchange = correspondence.ask(request())
+    assert log.all()[0].findings is None
+    correspondence.judge(exchange, ["too long"])
+    assert log.all()[0].findings == ("too long",)
+
+
+def test_an_exchange_survives_json_whatever_the_model_says() -> None:
+    log = MemoryLog()
+    said = "a\ud800b\x00\x1b[31m\u202e\U0001f916"
+    exchange = Correspondence(ScriptedModel([said]), log).ask(
+        Request(SLOT, 0, (Message("user", "look", (b"\x89PNG",)),))
+    )
+    assert "a?b" in exchange.reply
+    assert msgspec.json.decode(msgspec.json.encode(exchange), type=Exchange) == exchange
+
+
+@pytest.mark.parametrize(
+    ("budget", "option", "answered"),
+    [
+        (ModelBudget(requests=3), "--max-requests", 3),
+        (ModelBudget(tokens=3000), "--max-tokens", 3),
+        (ModelBudget(cost=0.025), "--max-cost", 3),
+        (ModelBudget(requests=0), "--max-requests", 0),
+    ],
+)
+def test_a_budget_stops_and_survives_resume(
+    budget: ModelBudget, option: str, answered: int
+) -> None:
+    log = MemoryLog()
+    model = ScriptedModel(lambda asked: "fine")
+    for _ in range(2):  # the second time is a resumed run
+        correspondence = Correspondence(model, log, budget)
+        with pytest.raises(BudgetExhausted, match=option):
+            for number in range(10):
+                correspondence.ask(request(str(number)))
+        assert len(model.asked) == answered
+    assert correspondence.spent().requests == answered
+
+
+def test_a_kept_exchange_is_free_even_when_the_budget_is_spent() -> None:
+    model, log = ScriptedModel(["one"]), MemoryLog()
+    correspondence = Correspondence(model, log, ModelBudget(requests=1))
+    assert correspondence.ask(request()) == correspondence.ask(request())
+
+
+def test_requests_side_by_side_do_not_pass_the_budget() -> None:
+    barrier = threading.Barrier(3, timeout=10)
+
+    def slow(asked: Request) -> str:
+        barrier.wait()
+        return "fine"
+
+    correspondence = Correspondence(ScriptedModel(slow), MemoryLog(), ModelBudget(requests=3))
+    stopped = []
+
+    def ask(number: int) -> None:
+        try:
+            correspondence.ask(request(str(number)))
+        except BudgetExhausted:
+            stopped.append(number)
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(ask, range(8)))
+    assert len(stopped) == 5 and correspondence.spent().requests == 3
+
+
+def test_a_cost_limit_without_a_price_is_refused() -> None:
+    with pytest.raises(InputError, match="--price"):
+        Correspondence(ScriptedModel([], price=None), MemoryLog(), ModelBudget(cost=1.0))
+
+
+def test_a_failed_request_leaves_nothing_under_way() -> None:
+    class Down(ScriptedModel):
+        def complete(self, asked: Request) -> Completion:
+            raise ModelUnavailable("down")
+
+    correspondence = Correspondence(Down([]), MemoryLog(), ModelBudget(requests=1))
+    for _ in range(3):
+        with pytest.raises(ModelUnavailable):
+            correspondence.ask(request())
+
+
+def recorded(*texts: str) -> MemoryLog:
+    log = MemoryLog()
+    correspondence = Correspondence(ScriptedModel([f"to {text}" for text in texts]), log)
+    for number, text in enumerate(texts):
+        exchange = correspondence.ask(request(text, dataclasses.replace(SLOT, index=number)))
+        correspondence.judge(exchange, [f"finding {number}"])
+    return log
+
+
+def test_a_replay_answers_the_same_and_costs_nothing() -> None:
+    log = recorded("a", "b")
+    own = MemoryLog()
+    replay = Correspondence(ReplayModel(log), own)
+    answered = replay.ask(request("b", dataclasses.replace(SLOT, index=1)))
+    original = log.all()[1]
+    assert answered.key == original.key
+    assert (answered.reply, answered.findings) == ("to b", ("finding 1",))
+    assert own.spent() == Spending(requests=1)
+    # A replay can be replayed.
+    assert (
+        ReplayModel(own).complete(request("b", dataclasses.replace(SLOT, index=1))).text == "to b"
+    )
+
+
+def test_a_replay_says_where_it_parts_from_the_recording() -> None:
+    replay = ReplayModel(recorded("a"))
+    with pytest.raises(InputError, match="another prompt for coarse morphology 0"):
+        replay.complete(request("other"))
+    with pytest.raises(InputError, match="ends before coarse morphology 5"):
+        replay.complete(request("a", dataclasses.replace(SLOT, index=5)))
+    with pytest.raises(InputError, match="no exchanges"):
+        ReplayModel(MemoryLog())
+
+
+def test_a_replay_by_slot_takes_any_prompt_and_judges_anew() -> None:
+    replay = ReplayModel(recorded("a"), by="slot")
+    completion = replay.complete(request("the history has other numbers now"))
+    assert (completion.text, completion.verdict) == ("to a", None)
+
+
+def test_a_replay_can_ask_a_model_for_the_rest() -> None:
+    model = ScriptedModel(["new"])
+    replay = ReplayModel(recorded("a"), otherwise=model)
+    assert replay.complete(request("a")).text == "to a"
+    assert replay.complete(request("b")).text == "new"
+    assert len(model.asked) == 1
+
+
+def test_persistence_is_bounded_and_waits_longer_each_time() -> None:
+    waits: list[float] = []
+
+    def fails() -> None:
+        raise Passing("busy")
+
+    with pytest.raises(ModelUnavailable, match="tried 4 times"):
+        persist(fails, Patience(tries=4, first_wait=1, longest_wait=3), waits.append)
+    assert len(waits) == 3
+    assert 0.75 <= waits[0] <= 1.25 and 1.5 <= waits[1] <= 2.5 and 2.25 <= waits[2] <= 3.75
+
+
+@given(st.text(), st.text())
+def test_token_estimates_grow_with_the_text(a: str, b: str) -> None:
+    assert estimate_tokens(a + b) >= max(estimate_tokens(a), estimate_tokens(b))
+    assert estimate_prompt([Message("user", a)]) > estimate_tokens(a)
