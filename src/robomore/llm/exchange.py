@@ -30,7 +30,7 @@ class Exchange:
         output_tokens: likewise.
         cost: in US dollars; `None` where no price is known.
         seconds: it took.
-        tries: requests sent until one succeeded.
+        tries: requests sent until one succeeded; 0 for a recording.
         structured: the provider enforced the schema.
         findings: what was wrong with the reply: empty if it was accepted, `None` while nobody has
             judged it.

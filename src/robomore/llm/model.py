@@ -71,7 +71,7 @@ class Completion:
         output_tokens: likewise, thinking included.
         cost: in US dollars; `None` where no price is known.
         seconds: from the first try to the answer.
-        tries: requests sent until one succeeded.
+        tries: requests sent until one succeeded; 0 for a recording.
         structured: the provider enforced the schema.
         verdict: what was found wrong with this very answer when it was recorded; `None` for an
             answer that is new.

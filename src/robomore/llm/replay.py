@@ -68,7 +68,12 @@ class ReplayModel:
             # under another history it is judged anew.
             verdict = found.findings if self._by == "content" else None
             return Completion(
-                found.reply, found.truncated, cost=0.0, structured=found.structured, verdict=verdict
+                found.reply,
+                found.truncated,
+                cost=0.0,
+                tries=0,
+                structured=found.structured,
+                verdict=verdict,
             )
         if self._otherwise is not None:
             return self._otherwise.complete(request)
