@@ -91,7 +91,7 @@ def test_a_newer_ledger_is_refused(tmp_path: Path) -> None:
     Ledger(path).close()
     with sqlite3.connect(path) as db:
         db.execute("PRAGMA user_version = 99")
-    with pytest.raises(LedgerError, match="version 99.*newer"):
+    with pytest.raises(LedgerError, match=r"version 99.*newer"):
         Ledger(path)
 
 

@@ -70,7 +70,7 @@ def test_a_newer_manifest_is_refused(tmp_path: Path) -> None:
     folder.release()
     text = folder.manifest.read_text().replace('"format": 1', '"format": 9')
     folder.manifest.write_text(text)
-    with pytest.raises(RunFolderError, match="format 9.*newer"):
+    with pytest.raises(RunFolderError, match=r"format 9.*newer"):
         Manifest.load(folder.manifest)
 
 

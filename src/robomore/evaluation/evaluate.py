@@ -10,16 +10,17 @@ import shutil
 import time
 import traceback
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
 
-from robomore.errors import InvalidMorphology, UnstableSimulation
+from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
 from robomore.evaluation.measure import measure
 from robomore.evaluation.request import Request, Training
 from robomore.evaluation.train import POLICY
 from robomore.sandbox.check import check_reward
-from robomore.sandbox.contain import run_contained
+from robomore.sandbox.contain import Containment, run_contained
 from robomore.tasks import Task, get_task
 from robomore.tasks.compile import body_facts
 from robomore.training.policy import MLPPolicy
@@ -50,12 +51,14 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Evaluation:
         evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
     except UnstableSimulation as error:
         evaluation = Evaluation(key, job, Status.UNSTABLE, str(error))
+    except TrainingDiverged as error:
+        evaluation = Evaluation(key, job, Status.TRAINING_DIVERGED, str(error))
     except Exception:  # noqa: BLE001  # a fault of ours costs one candidate and keeps its traceback
         evaluation = Evaluation(key, job, Status.FAILED, traceback.format_exc())
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     own_seconds = time.process_time() - began
-    return msgspec.structs.replace(evaluation, seconds=evaluation.seconds + own_seconds)
+    return replace(evaluation, seconds=evaluation.seconds + own_seconds)
 
 
 def _evaluate(
@@ -74,7 +77,9 @@ def _evaluate(
         msgspec.json.encode(request),
         scratch,
         job.limits,
+        writable=[Path(request.checkpoint)] if request.checkpoint else [],
         on_progress=progress,
+        mode=Containment(request.containment),
     )
     if trained.status is not Status.OK:
         return Evaluation(
@@ -82,7 +87,7 @@ def _evaluate(
         )
     training = msgspec.json.decode(trained.reply, type=Training)
     policy = MLPPolicy.load(scratch / POLICY)
-    measured = measure(task, parameters, policy, job)
+    measured = measure(task, parameters, policy, job.episodes, job.seed)
     if request.artifact:
         _keep(policy, Path(request.artifact))
     volume = task.volume(parameters)

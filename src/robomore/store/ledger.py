@@ -98,8 +98,8 @@ class Ledger:
     def add_place(self, place: Place, key: str) -> None:
         """Note that the search asked for an evaluation in this place."""
         self._execute(
-            "INSERT OR REPLACE INTO places VALUES "
-            "(?, ?, (SELECT coalesce(max(seq), 0) + 1 FROM places))",
+            "INSERT INTO places VALUES (?, ?, (SELECT coalesce(max(seq), 0) + 1 FROM places)) "
+            "ON CONFLICT (place) DO UPDATE SET evaluation = excluded.evaluation",
             (msgspec.json.encode(place).decode(), key),
         )
 

@@ -1,0 +1,71 @@
+"""What a trained policy is worth: episodes with distinct seeds, and how the body moved in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robomore.errors import TrainingDiverged
+from robomore.identity import derive_seed
+from robomore.tasks.simulation import Simulations
+from robomore.tasks.task import Task
+from robomore.training.policy import MLPPolicy
+from robomore.training.rollout import rollout
+
+_SIDE_BY_SIDE = 10
+"""Episodes that run together; it saves nothing to run more in one thread."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """The numbers of an evaluation that come from episodes.
+
+    Attributes:
+        fitness: mean over episodes, in m.
+        episode_fitness: of each episode, in m.
+        behaviour: how the body moved, averaged over episodes, units in the names.
+    """
+
+    fitness: float
+    episode_fitness: tuple[float, ...]
+    behaviour: dict[str, float]
+
+
+def measure(
+    task: Task, parameters: tuple[float, ...], policy: MLPPolicy, episodes: int, seed: int
+) -> Measurement:
+    """Return what `policy` is worth in `episodes` episodes of the body, without any reward.
+
+    Args:
+        task: says what fitness is.
+        parameters: of the body.
+        policy: acts deterministically.
+        episodes: how many.
+        seed: the episodes' own seeds are derived from it.
+
+    Raises:
+        TrainingDiverged: the policy does not fit the body (a child may have written anything).
+        UnstableSimulation: the physics diverged over and over.
+    """
+    simulations = Simulations(
+        task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False
+    )
+    expected = simulations.observation_size, simulations.action_size
+    if (policy.weights[0].shape[0], policy.weights[-1].shape[1]) != expected:
+        raise TrainingDiverged("the policy that came out of training does not fit the robot")
+    seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
+    run = rollout(policy, simulations, seeds)
+    worth = run.distance if task.fitness == "distance" else run.highest
+    step_seconds = float(simulations.environment.dt)
+    return Measurement(
+        fitness=float(worth.mean()),
+        episode_fitness=tuple(float(value) for value in worth),
+        behaviour={
+            "forward_distance_m": float(run.distance.mean()),
+            "forward_speed_m_s": float((run.distance / (run.length * step_seconds)).mean()),
+            "highest_torso_m": float(run.highest.mean()),
+            "lowest_torso_m": float(run.lowest.mean()),
+            "episode_seconds": float(run.length.mean() * step_seconds),
+            "fell_share": float(run.fell.mean()),
+            "mean_effort": float(run.effort.mean()),
+        },
+    )

@@ -1,0 +1,177 @@
+"""Batches: known results are looked up, equal trials share one, crashes get a second try."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from robomore.evaluation.evaluator import Evaluator
+from robomore.evaluation.request import Request
+from robomore.events import Event, Finished
+from robomore.executors import Done, Failed, Outcome
+from robomore.settings import Budget
+from robomore.store import Ledger, RunFolder
+from robomore.types import (
+    Design,
+    Evaluation,
+    Morphology,
+    Place,
+    Reward,
+    Status,
+    TrainerSettings,
+    Trial,
+)
+
+Answer = Callable[[Request], Outcome]
+
+
+def good(request: Request) -> Outcome:
+    """A result that depends on the design and the seed, as a real one does."""
+    (x,) = request.job.design.morphology.parameters
+    number = x + request.job.seed / 2**31
+    evaluation = Evaluation(
+        request.key, request.job, Status.OK, fitness=number, volume=1.0, efficiency=number
+    )
+    return Done(msgspec.json.encode(evaluation))
+
+
+class Scripted:
+    """An executor that answers backwards, so that order cannot matter."""
+
+    workers = 2
+
+    def __init__(self, answer: Answer = good) -> None:
+        self.answer = answer
+        self.requests: list[Request] = []
+
+    def map(
+        self,
+        function: str,
+        payloads: Sequence[bytes],
+        progress: Callable[[int, int], None],
+        timeout: float,
+    ) -> Generator[tuple[int, Outcome]]:
+        for index in reversed(range(len(payloads))):
+            request = msgspec.json.decode(payloads[index], type=Request)
+            self.requests.append(request)
+            progress(index, 0)
+            yield index, self.answer(request)
+
+    def close(self) -> None: ...
+
+
+def trial(x: float, row: int = 0, repeat: int = 0) -> Trial:
+    place = Place(stage="coarse", morphology=row, repeat=repeat)
+    return Trial(Design(Morphology((x,)), Reward("def _get_rew(): ...")), place)
+
+
+def evaluator(tmp_path: Path, executor: Scripted, seed: int = 0) -> Evaluator:
+    tmp_path.mkdir(exist_ok=True)
+    return Evaluator(
+        task="ant",
+        trainer=TrainerSettings(),
+        seed=seed,
+        versions={"mujoco": "3"},
+        ledger=Ledger(tmp_path / "ledger.sqlite"),
+        folder=RunFolder(tmp_path),
+        executor=executor,
+    )
+
+
+BUDGET = Budget(steps=100, episodes=1)
+
+
+def test_answers_come_in_the_order_of_the_trials(tmp_path: Path) -> None:
+    measured = evaluator(tmp_path, Scripted()).measure([trial(3), trial(1), trial(2)], BUDGET)
+    assert [e.design.morphology.parameters[0] for e in measured] == [3, 1, 2]
+
+
+def test_seeds_do_not_depend_on_order_or_batch(tmp_path: Path) -> None:
+    together = evaluator(tmp_path / "a", Scripted()).measure([trial(1), trial(2)], BUDGET)
+    apart = evaluator(tmp_path / "b", Scripted())
+    (second,) = apart.measure([trial(2, row=9)], BUDGET)
+    (first,) = apart.measure([trial(1, row=8)], BUDGET)
+    assert [first.fitness, second.fitness] == [e.fitness for e in together]
+    other = evaluator(tmp_path / "c", Scripted(), seed=1).measure([trial(1)], BUDGET)
+    assert other[0].job.seed != first.job.seed
+
+
+def test_repeats_are_trained_with_other_seeds(tmp_path: Path) -> None:
+    measured = evaluator(tmp_path, Scripted()).measure(
+        [trial(1, repeat=repeat) for repeat in range(3)], BUDGET
+    )
+    assert len({e.job.seed for e in measured}) == 3
+
+
+def test_equal_trials_are_done_once_and_known_ones_never_again(tmp_path: Path) -> None:
+    executor = Scripted()
+    first = evaluator(tmp_path, executor)
+    a, b = first.measure([trial(1, row=0), trial(1, row=1)], BUDGET)
+    assert a == b and len(executor.requests) == 1
+    first.ledger.close()
+    seen: list[Event] = []
+    again = evaluator(tmp_path, executor)
+    again.observe = seen.append
+    assert again.measure([trial(1, row=0)], BUDGET) == [a]
+    assert len(executor.requests) == 1
+    assert [e.known for e in seen if isinstance(e, Finished)] == [True]
+    # Both places remember it.
+    assert [place.morphology for place, _ in again.ledger.placed()] == [0, 1]
+
+
+def test_another_budget_is_another_evaluation(tmp_path: Path) -> None:
+    executor = Scripted()
+    ours = evaluator(tmp_path, executor)
+    ours.measure([trial(1)], BUDGET)
+    ours.measure([trial(1)], Budget(steps=200, episodes=1))
+    assert [request.job.steps for request in executor.requests] == [100, 200]
+
+
+def test_a_worker_that_dies_once_costs_nothing(tmp_path: Path) -> None:
+    lost: list[str] = []
+
+    def dies_once(request: Request) -> Outcome:
+        if not lost:
+            lost.append(request.key)
+            return Failed("the worker process was ended by SIGKILL")
+        return good(request)
+
+    executor = Scripted(dies_once)
+    measured = evaluator(tmp_path, executor).measure([trial(1), trial(2)], BUDGET)
+    assert [e.status for e in measured] == [Status.OK, Status.OK]
+    assert [request.key for request in executor.requests].count(lost[0]) == 2
+
+
+def test_a_design_that_always_kills_its_worker_fails_with_the_reason(tmp_path: Path) -> None:
+    def deadly(request: Request) -> Outcome:
+        if request.job.design.morphology.parameters == (2.0,):
+            return Failed("the worker process was ended by SIGSEGV")
+        return good(request)
+
+    ours = evaluator(tmp_path, Scripted(deadly))
+    fine, crashed = ours.measure([trial(1), trial(2)], BUDGET)
+    assert fine.ok
+    assert (crashed.status, crashed.fitness) == (Status.CRASHED, None)
+    assert "SIGSEGV" in crashed.diagnosis
+    assert ours.ledger.evaluation(crashed.key) == crashed
+
+
+def test_a_hanging_design_is_given_up_at_once(tmp_path: Path) -> None:
+    executor = Scripted(lambda request: Failed("gave up after 60 s", timed_out=True))
+    (hung,) = evaluator(tmp_path, executor).measure([trial(1)], BUDGET)
+    assert hung.status is Status.TIMED_OUT and len(executor.requests) == 1
+
+
+def test_what_was_finished_before_an_interruption_is_kept(tmp_path: Path) -> None:
+    def interrupted(request: Request) -> Outcome:
+        if request.job.design.morphology.parameters == (1.0,):
+            raise KeyboardInterrupt
+        return good(request)
+
+    ours = evaluator(tmp_path, Scripted(interrupted))
+    with pytest.raises(KeyboardInterrupt):
+        ours.measure([trial(1), trial(2)], BUDGET)
+    assert [e.design.morphology.parameters for e in ours.ledger.evaluations()] == [(2.0,)]
