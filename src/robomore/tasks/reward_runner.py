@@ -33,7 +33,9 @@ _LONGEST = 500
 class RewardRunner(Protocol):
     """Gives the rewards of all simulations after one control step."""
 
-    def __call__(self, simulations: Any, x_velocity: Array, actions: Array) -> Array:
+    def __call__(
+        self, simulations: Any, x_velocity: NDArray[np.floating[Any]], actions: Array
+    ) -> Array:
         """Return rewards (n,).
 
         Args:
@@ -106,7 +108,9 @@ class PerSimulationReward:
         for index in range(len(data)):
             self.reset(index)
 
-    def __call__(self, simulations: Any, x_velocity: Array, actions: Array) -> Array:
+    def __call__(
+        self, simulations: Any, x_velocity: NDArray[np.floating[Any]], actions: Array
+    ) -> Array:
         """Return rewards (n,). The slow path reads each simulation's data, not `simulations`."""
         rewards = np.empty(len(self._selves))
         for index in range(len(rewards)):

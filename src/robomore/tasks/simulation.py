@@ -167,7 +167,7 @@ class Simulations:
         self._gather()
         self._settle_diverged()
 
-        x_velocity: Array = (self._position.values[:, 0] - before) / self._dt
+        x_velocity = (self._position.values[:, 0] - before) / self._dt
         x_velocity[self.diverged] = 0.0
         final = self.environment.batch_observation(self.qpos, self.qvel, self.cfrc_ext)
         self.healthy = self.environment.batch_healthy(self.qpos, self.qvel)

@@ -60,13 +60,15 @@ class RobotEnvironment(MujocoEnv):
         arguments = (task, self._parameters, reward, render_mode)
         EzPickle.__init__(self, *arguments, **options)  # type: ignore[arg-type]  # official mix-in
 
-    def reset(self, **arguments: Any) -> tuple[Array, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
         """Start an episode; whatever the reward kept in `self` is forgotten."""
         for name in self._reward_attributes:
             vars(self).pop(name, None)
         self._reward_attributes.clear()
         observation: Array
-        observation, info = super().reset(**arguments)
+        observation, info = super().reset(seed=seed, options=options)
         return observation, info
 
     def position_view(self, data: mujoco.MjData) -> Array:
@@ -126,12 +128,12 @@ class UprightEnvironment(RobotEnvironment):
         return super().batch_observation(qpos, np.clip(qvel, -10, 10), cfrc_ext)
 
     def batch_healthy(self, qpos: Array, qvel: Array) -> NDArray[np.bool_]:
-        low, high = self._healthy_state_range
         state = np.concatenate((qpos[:, 2:], qvel), axis=1)
-        healthy: NDArray[np.bool_] = ((low < state) & (state < high)).all(axis=1)
-        for value, (low, high) in (
-            (qpos[:, 1], self._healthy_z_range),
-            (qpos[:, 2], self._healthy_angle_range),
-        ):
-            healthy &= (low < value) & (value < high)
-        return healthy
+        bounded = _within(self._healthy_state_range, state).all(axis=1)
+        standing = _within(self._healthy_z_range, qpos[:, 1])
+        upright = _within(self._healthy_angle_range, qpos[:, 2])
+        return np.logical_and(bounded & standing, upright)
+
+
+def _within(limits: tuple[float, float], values: Array) -> NDArray[np.bool_]:
+    return (limits[0] < values) & (values < limits[1])
