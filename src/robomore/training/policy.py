@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,8 @@ class MLPPolicy:
         *inner, last = zip(self.weights, self.biases, strict=True)
         for weight, bias in inner:
             hidden = np.maximum(hidden @ weight + bias, 0)
-        return np.tanh(hidden @ last[0] + last[1])
+        actions: NDArray[np.float32] = np.tanh(hidden @ last[0] + last[1])
+        return actions
 
     def save(self, path: Path) -> None:
         """Write one `.npz` with arrays `weight0`, `bias0`, `weight1`, …"""
@@ -54,7 +56,7 @@ class MLPPolicy:
                 raise ValueError(f"{path} is not a policy: {error}") from None
         if not layers or any(not np.isfinite(array).all() for array in (*weights, *biases)):
             raise ValueError(f"{path} is not a policy: no layers, or numbers that are not finite")
-        joined = all(a.shape[1] == b.shape[0] for a, b in zip(weights, weights[1:], strict=False))
+        joined = all(a.shape[1] == b.shape[0] for a, b in pairwise(weights))
         if not joined or any(w.shape[1:] != b.shape for w, b in zip(weights, biases, strict=True)):
             raise ValueError(f"{path} is not a policy: its layers do not fit each other")
         return cls(weights, biases)

@@ -1,0 +1,83 @@
+"""A training at rest: a folder with one JSON file and the arrays it names, no code in either.
+
+The JSON file is replaced in one step once the arrays it names are on disk, so a reader meets the
+old checkpoint or the new one, whenever the writer dies.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+log = logging.getLogger(__name__)
+
+INDEX = "checkpoint.json"
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """What is needed to continue.
+
+    Attributes:
+        facts: JSON values.
+        arrays: of the trainer, by name.
+        environment: what `VectorEnvironment.state` returned.
+    """
+
+    facts: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+    environment: dict[str, NDArray[Any]]
+
+
+def save_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
+    """Write `checkpoint` into `folder`, in the place of what it held."""
+    folder.mkdir(parents=True, exist_ok=True)
+    before = _index(folder)
+    generation = before["generation"] + 1 if before else 0
+    files = {part: f"{part}-{generation}.npz" for part in ("arrays", "environment")}
+    for part, name in files.items():
+        arrays = getattr(checkpoint, part)
+        plain: dict[str, Any] = {key: np.asarray(value) for key, value in arrays.items()}
+        np.savez(folder / name, allow_pickle=False, **plain)
+    index = {"version": VERSION, "generation": generation, "facts": checkpoint.facts, **files}
+    temporary = folder / f"{INDEX}.new"
+    temporary.write_text(json.dumps(index), encoding="utf-8")
+    temporary.replace(folder / INDEX)
+    for path in folder.glob("*.npz"):
+        if path.name not in files.values():
+            path.unlink()
+
+
+def load_checkpoint(folder: Path) -> Checkpoint | None:
+    """Return what `folder` holds, `None` where there is nothing or nothing that can be read."""
+    index = _index(folder)
+    if index is None:
+        return None
+    try:
+        parts = []
+        for part in ("arrays", "environment"):
+            with np.load(folder / index[part], allow_pickle=False) as stored:
+                parts.append({name: stored[name] for name in stored.files})
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+        log.warning("the checkpoint in %s cannot be read (%s)", folder, error)
+        return None
+    return Checkpoint(index["facts"], *parts)
+
+
+def _index(folder: Path) -> dict[str, Any] | None:
+    try:
+        index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        log.warning("the checkpoint in %s cannot be read (%s)", folder, error)
+        return None
+    return index if index.get("version") == VERSION else None

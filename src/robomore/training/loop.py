@@ -1,0 +1,247 @@
+"""The off-policy loop that every algorithm here shares: act for a round, learn, keep checkpoints.
+
+Acting, the replay memory and everything random are NumPy's; learning is one compiled call a
+round. What a checkpoint holds is exactly what the loop reads, so continuing gives the same bits
+as never having stopped.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import logging
+import time
+from pathlib import Path
+from typing import Any, Protocol
+
+import jax
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.errors import InputError, TrainingDiverged
+from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from robomore.training.gaussian import explore
+from robomore.training.policy import MLPPolicy
+from robomore.training.replay import Replay
+from robomore.training.trainer import Progress, VectorEnvironment
+
+log = logging.getLogger(__name__)
+
+Layers = list[tuple[NDArray[np.float32], NDArray[np.float32]]]
+"""Weight and bias of each layer of a stochastic policy, normalisation folded in. The last layer
+gives the Gaussian's mean and the logarithm of its deviation."""
+
+PROGRESS_SECONDS = 0.3
+
+
+class LoopSettings(Protocol):
+    """What the loop reads of an algorithm's settings (`robomore.training.settings`)."""
+
+    @property
+    def steps_per_round(self) -> int: ...
+    @property
+    def updates_per_round(self) -> int: ...
+    @property
+    def warm_up_steps(self) -> int: ...
+    @property
+    def replay_size(self) -> int: ...
+    @property
+    def batch_size(self) -> int: ...
+    @property
+    def average_rounds(self) -> int: ...
+
+
+class Learning(Protocol):
+    """The algorithm proper: a tree of arrays, and what one round of learning makes of it."""
+
+    def begin(
+        self, random: np.random.Generator, observation_size: int, action_size: int
+    ) -> tuple[Any, Layers]:
+        """Return the tree before any learning, and its policy."""
+        ...
+
+    def learn(
+        self, learner: Any, rows: NDArray[np.float32], noise: NDArray[np.float32], done: int
+    ) -> tuple[Any, Layers, dict[str, float]]:
+        """Return the tree after one round of learning, its policy, and losses by name.
+
+        Args:
+            learner: the tree, which may be overwritten.
+            rows: (updates, batch, width) from `Replay.sample`.
+            noise: (updates, 2, batch, actions), standard normal.
+            done: gradient steps done before.
+        """
+        ...
+
+
+def train(
+    learning: Learning,
+    settings: Any,
+    environment: VectorEnvironment,
+    steps: int,
+    seed: int,
+    checkpoint: Path | None,
+    progress: Progress | None,
+) -> MLPPolicy:
+    """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`.
+
+    Raises:
+        InputError: fewer steps than one round, or a round that the simulations do not divide.
+        TrainingDiverged: a weight or a loss is no longer a finite number.
+    """
+    rounds = steps // settings.steps_per_round
+    if rounds < 1 or settings.steps_per_round % environment.n:
+        raise InputError(
+            f"{steps} steps with {environment.n} simulations: a round is "
+            f"{settings.steps_per_round} steps, at least one is needed, and the number of "
+            "simulations has to divide it"
+        )
+    run = Run(learning, settings, environment, seed)
+    if checkpoint is None or not run.restore(checkpoint, rounds):
+        run.observation = environment.reset(seed)
+    told = time.monotonic()
+    while run.rounds < rounds:
+        run.advance()
+        if progress is not None and time.monotonic() - told > PROGRESS_SECONDS:
+            told = time.monotonic()
+            progress(run.steps)
+    if progress is not None:
+        progress(run.steps)
+    if checkpoint is not None:
+        run.save(checkpoint)
+    return run.policy()
+
+
+class Run:
+    """A training under way."""
+
+    def __init__(
+        self, learning: Learning, settings: Any, environment: VectorEnvironment, seed: int
+    ) -> None:
+        sizes = environment.observation_size, environment.action_size
+        self.learning = learning
+        self.settings: LoopSettings = settings
+        self.environment = environment
+        self.random = np.random.default_rng(seed)
+        self.replay = Replay(settings.replay_size, *sizes)
+        self.learner, self.layers = learning.begin(self.random, *sizes)
+        self.average = self.layers
+        self.observation = np.zeros((environment.n, sizes[0]))
+        self.rounds = 0
+        self.updates = 0
+        # A checkpoint is of this training if these agree; JSON, so that they compare as stored.
+        identity = [
+            type(learning).__name__,
+            dataclasses.asdict(settings),
+            seed,
+            environment.n,
+            sizes,
+        ]
+        self.identity = json.loads(json.dumps(identity))
+
+    @property
+    def steps(self) -> int:
+        """Control steps done, over all simulations."""
+        return self.rounds * self.settings.steps_per_round
+
+    def advance(self) -> None:
+        """Act for one round, then learn from what is remembered."""
+        for _ in range(self.settings.steps_per_round // self.environment.n):
+            self._act()
+        self.rounds += 1
+        if self.steps >= self.settings.warm_up_steps:
+            self._learn()
+
+    def _act(self) -> None:
+        shape = self.environment.n, self.environment.action_size
+        if self.updates:
+            noise = self.random.standard_normal(shape, np.float32)
+            action = explore(self.layers, self.observation, noise)
+        else:
+            action = 2 * self.random.random(shape, np.float32) - 1
+        transition = self.environment.step(action)
+        self.replay.add(self.observation, action, transition)
+        self.observation = transition.observation
+
+    def _learn(self) -> None:
+        updates, batch = self.settings.updates_per_round, self.settings.batch_size
+        rows = self.replay.sample(self.random, (updates, batch))
+        noise = self.random.standard_normal(
+            (updates, 2, batch, self.environment.action_size), np.float32
+        )
+        self.learner, self.layers, losses = self.learning.learn(
+            self.learner, rows, noise, self.updates
+        )
+        finite = all(np.isfinite(weight).all() for weight, _ in self.layers)
+        if not finite or not np.isfinite(list(losses.values())).all():
+            said = ", ".join(f"{name} {value:g}" for name, value in losses.items())
+            raise TrainingDiverged(
+                f"training diverged after {self.steps} steps: a weight or a loss is no longer a "
+                f"finite number ({said}); the rewards may be too large"
+            )
+        self.updates += updates
+        self._track_average()
+
+    def _track_average(self) -> None:
+        """Let the average forget what is older than the rounds asked for; at first, nothing."""
+        share = 1 / min(
+            self.updates // self.settings.updates_per_round, self.settings.average_rounds
+        )
+        if share == 1:
+            self.average = self.layers
+            return
+        self.average = [
+            (old[0] + share * (new[0] - old[0]), old[1] + share * (new[1] - old[1]))
+            for old, new in zip(self.average, self.layers, strict=True)
+        ]
+
+    def policy(self) -> MLPPolicy:
+        """Return the deterministic policy, averaged over the last rounds."""
+        size = self.environment.action_size
+        *inner, (weight, bias) = self.average
+        layers = [*inner, (weight[:, :size], bias[:size])]
+        return MLPPolicy(
+            tuple(np.array(weight) for weight, _ in layers),
+            tuple(np.array(bias) for _, bias in layers),
+        )
+
+    def save(self, folder: Path) -> None:
+        """Leave everything in `folder`."""
+        arrays = {f"learner{i}": leaf for i, leaf in enumerate(jax.tree.leaves(self.learner))}
+        for name, layers in (("layers", self.layers), ("average", self.average)):
+            for i, (weight, bias) in enumerate(layers):
+                arrays |= {f"{name}_weight{i}": weight, f"{name}_bias{i}": bias}
+        arrays["observation"] = self.observation
+        arrays["replay"] = self.replay.rows[: self.replay.size]
+        facts = {
+            "identity": self.identity,
+            "rounds": self.rounds,
+            "updates": self.updates,
+            "replay_position": self.replay.position,
+            "random": self.random.bit_generator.state,
+        }
+        save_checkpoint(folder, Checkpoint(facts, arrays, self.environment.state()))
+
+    def restore(self, folder: Path, rounds: int) -> bool:
+        """Continue from `folder` if it holds this training after at most `rounds`."""
+        found = load_checkpoint(folder)
+        if found is None:
+            return False
+        facts, arrays = found.facts, found.arrays
+        if facts["identity"] != self.identity:
+            log.warning("the checkpoint in %s is of another training; starting anew", folder)
+            return False
+        if facts["rounds"] > rounds:
+            log.info("the checkpoint in %s is past %d rounds; starting anew", folder, rounds)
+            return False
+        leaves, tree = jax.tree.flatten(self.learner)
+        self.learner = jax.tree.unflatten(tree, [arrays[f"learner{i}"] for i in range(len(leaves))])
+        indices = range(len(self.layers))
+        self.layers = [(arrays[f"layers_weight{i}"], arrays[f"layers_bias{i}"]) for i in indices]
+        self.average = [(arrays[f"average_weight{i}"], arrays[f"average_bias{i}"]) for i in indices]
+        self.observation = arrays["observation"]
+        self.replay.restore(arrays["replay"], facts["replay_position"])
+        self.rounds, self.updates = facts["rounds"], facts["updates"]
+        self.random.bit_generator.state = facts["random"]
+        self.environment.restore(found.environment)
+        return True

@@ -1,0 +1,139 @@
+"""Which algorithms there are, and their settings: a docstring under each field, no JAX needed.
+
+A run names an algorithm and overrides single fields (`TrainerSettings`); this module turns that
+into the algorithm's own frozen settings, and refuses what it does not know.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+from dataclasses import asdict, dataclass, fields
+from importlib.metadata import entry_points
+from typing import Annotated, Any
+
+import msgspec
+
+from robomore.errors import InputError
+from robomore.training.trainer import Trainer
+from robomore.types import TrainerSettings
+
+Count = Annotated[int, msgspec.Meta(ge=1)]
+Positive = Annotated[float, msgspec.Meta(gt=0)]
+Fraction = Annotated[float, msgspec.Meta(ge=0, lt=1)]
+
+
+@dataclass(frozen=True, slots=True)
+class CrossQSettings:
+    """Settings of CrossQ (Bhatt et al., ICLR 2024): SAC without target networks, with batch
+    renormalisation in their place."""
+
+    simulations: Count = 16
+    """Simulations of the body that are stepped together."""
+    steps_per_round: Count = 128
+    """Control steps, over all simulations, between two bouts of learning."""
+    updates_per_round: Count = 16
+    """Gradient steps of the critics in one bout of learning, all of them in one compiled call."""
+    warm_up_steps: Count = 5_000
+    """Control steps with uniformly random actions before learning starts."""
+    replay_size: Count = 1_000_000
+    """Transitions that are remembered; the oldest are overwritten."""
+    batch_size: Count = 256
+    """Transitions in one gradient step."""
+    hidden: tuple[Count, ...] = (256, 256)
+    """Units of each hidden layer, of the policy and of each critic."""
+    critics: Count = 2
+    """Critics, the smallest of which is believed."""
+    policy_rate: Positive = 1e-3
+    """Adam's learning rate for the policy."""
+    critic_rate: Positive = 1e-3
+    """Adam's learning rate for the critics."""
+    entropy_rate: Positive = 1e-3
+    """Adam's learning rate for the weight of the entropy."""
+    beta1: Fraction = 0.5
+    """Adam's decay of the mean gradient; the lower value steadies learning without targets."""
+    beta2: Fraction = 0.999
+    """Adam's decay of the mean squared gradient."""
+    discount: Fraction = 0.99
+    """What a reward one control step later is worth."""
+    policy_delay: Count = 3
+    """The policy learns at every so many gradient steps of the critics."""
+    initial_entropy_weight: Positive = 1.0
+    """Weight of the policy's entropy at the start; it is learnt from there."""
+    target_entropy: float | None = None
+    """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
+    norm_momentum: Fraction = 0.99
+    """Decay of the running mean and variance that stand in for a batch's own when acting."""
+    renorm_after: int = 100_000
+    """Gradient steps with plain batch normalisation before the correction of batch
+    renormalisation sets in."""
+    average_rounds: Count = 1
+    """The policy that is returned is an exponential average over about so many last rounds;
+    1 for the last policy itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Algorithm:
+    """One way to train: its settings class, and where its trainer is found when it is needed.
+
+    Attributes:
+        settings: frozen dataclass, all fields with defaults, one of them `simulations`.
+        trainer: `module:Class`, called with an instance of `settings`.
+    """
+
+    settings: type[Any]
+    trainer: str
+
+
+TRAINERS: dict[str, Algorithm] = {
+    "crossq": Algorithm(CrossQSettings, "robomore.training.crossq:CrossQ"),
+}
+"""Algorithms by name. Others are found as entry points of the group `robomore.trainers`, each an
+`Algorithm`."""
+
+
+def settings_from(trainer: TrainerSettings) -> Any:
+    """Return the algorithm's own settings with `trainer.options` put in.
+
+    Raises:
+        InputError: unknown algorithm or option, or a value of the wrong kind or out of range.
+    """
+    cls = _algorithm(trainer.name).settings
+    known = [field.name for field in fields(cls)]
+    if unknown := sorted(set(trainer.options) - set(known)):
+        raise InputError(
+            f"trainer {trainer.name} has no option {', '.join(map(repr, unknown))}; "
+            f"it takes {', '.join(known)}"
+        )
+    for name, value in trainer.options.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(f"trainer {trainer.name}: {name} = {value} is not a finite number")
+    try:
+        return msgspec.convert({**asdict(cls()), **trainer.options}, cls)
+    except msgspec.ValidationError as error:
+        raise InputError(f"trainer {trainer.name}: {error}") from None
+
+
+def make_trainer(trainer: TrainerSettings) -> Trainer:
+    """Return the trainer that `trainer` describes; its libraries are loaded only now.
+
+    Raises:
+        InputError: see `settings_from`.
+    """
+    settings = settings_from(trainer)
+    module, _, name = _algorithm(trainer.name).trainer.partition(":")
+    made: Trainer = getattr(importlib.import_module(module), name)(settings)
+    return made
+
+
+def _algorithm(name: str) -> Algorithm:
+    if name in TRAINERS:
+        return TRAINERS[name]
+    plugins = {point.name: point for point in entry_points(group="robomore.trainers")}
+    if name not in plugins:
+        names = ", ".join(sorted({*TRAINERS, *plugins}))
+        raise InputError(f"there is no trainer {name!r}; choose one of {names}")
+    algorithm = plugins[name].load()
+    if not isinstance(algorithm, Algorithm):
+        raise InputError(f"the entry point of trainer {name!r} is not an Algorithm")
+    return algorithm

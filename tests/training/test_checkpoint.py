@@ -1,0 +1,103 @@
+"""The same seed gives the same bits, in one go or continued from a checkpoint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from probes import SETTINGS, Probe
+
+from robomore.training.checkpoint import INDEX, Checkpoint, load_checkpoint, save_checkpoint
+from robomore.training.crossq import CrossQ
+from robomore.training.policy import MLPPolicy
+
+AVERAGED = replace(SETTINGS, average_rounds=5, replay_size=300)
+
+
+def reward(elapsed: NDArray[Any], bit: NDArray[Any], action: NDArray[Any]) -> NDArray[Any]:
+    return elapsed - np.square(action[:, 0] - bit)
+
+
+def train(steps: int, seed: int = 3, checkpoint: Path | None = None) -> MLPPolicy:
+    return CrossQ(AVERAGED).train(Probe(reward, length=5), steps, seed, checkpoint)
+
+
+def same(a: MLPPolicy, b: MLPPolicy) -> bool:
+    pairs = zip((*a.weights, *a.biases), (*b.weights, *b.biases), strict=True)
+    return all(np.array_equal(x, y) for x, y in pairs)
+
+
+def test_the_seed_decides_every_bit() -> None:
+    assert same(train(512), train(512))
+    assert not same(train(512), train(512, seed=4))
+
+
+@pytest.mark.parametrize("first", [64, 320, 512])
+def test_a_continued_training_is_an_uninterrupted_one(tmp_path: Path, first: int) -> None:
+    train(first, checkpoint=tmp_path / "a")
+    continued = train(640, checkpoint=tmp_path / "a")
+    assert same(continued, train(640, checkpoint=tmp_path / "b"))
+    one, other = load_checkpoint(tmp_path / "a"), load_checkpoint(tmp_path / "b")
+    assert one is not None and other is not None
+    assert one.facts == other.facts
+    for part in ("arrays", "environment"):
+        left, right = getattr(one, part), getattr(other, part)
+        assert left.keys() == right.keys()
+        assert all(np.array_equal(left[name], right[name]) for name in left)
+
+
+def test_a_finished_training_is_not_done_again(tmp_path: Path) -> None:
+    done = train(512, checkpoint=tmp_path)
+    told: list[int] = []
+    again = CrossQ(AVERAGED).train(Probe(reward, length=5), 512, 3, tmp_path, told.append)
+    assert same(done, again)
+    assert told == [512]
+
+
+def test_a_checkpoint_past_the_budget_or_of_another_training_is_not_used(tmp_path: Path) -> None:
+    train(512, checkpoint=tmp_path)
+    assert same(train(256, checkpoint=tmp_path), train(256))
+    assert same(train(512, seed=4, checkpoint=tmp_path), train(512, seed=4))
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda folder: (folder / INDEX).write_text("{"),
+        lambda folder: [path.write_bytes(b"PK") for path in folder.glob("*.npz")],
+        lambda folder: [path.unlink() for path in folder.glob("environment*.npz")],
+    ],
+)
+def test_a_damaged_checkpoint_is_not_used(tmp_path: Path, damage: Callable[[Path], Any]) -> None:
+    save_checkpoint(tmp_path, Checkpoint({"a": 1}, {"b": np.ones(2)}, {"c": np.zeros(1)}))
+    damage(tmp_path)
+    assert load_checkpoint(tmp_path) is None
+
+
+def test_a_writer_that_dies_leaves_the_old_checkpoint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def dies(*args: Any) -> None:
+        raise KeyboardInterrupt
+
+    for number in (1, 2):
+        save_checkpoint(tmp_path, Checkpoint({"a": number}, {"b": np.full(2, number)}, {}))
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", dies)
+        with pytest.raises(KeyboardInterrupt):
+            save_checkpoint(tmp_path, Checkpoint({"a": 3}, {"b": np.full(2, 3)}, {}))
+    found = load_checkpoint(tmp_path)
+    assert found is not None
+    assert found.facts == {"a": 2}
+    assert found.arrays["b"].tolist() == [2, 2]
+
+
+def test_objects_are_never_loaded(tmp_path: Path) -> None:
+    arrays = {"b": np.array([{"an": "object"}], dtype=object)}
+    with pytest.raises(ValueError, match="pickle"):
+        save_checkpoint(tmp_path, Checkpoint({}, arrays, {}))

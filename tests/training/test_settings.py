@@ -1,0 +1,65 @@
+"""Settings by name: what is taken and what is refused."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from robomore.errors import InputError
+from robomore.training import settings
+from robomore.training.settings import CrossQSettings, settings_from
+from robomore.types import TrainerSettings
+
+
+def test_options_override_fields() -> None:
+    options = {"hidden": [64, 64], "policy_rate": 1, "target_entropy": -2.5}
+    found = settings_from(TrainerSettings("crossq", options))
+    assert found == CrossQSettings(hidden=(64, 64), policy_rate=1.0, target_entropy=-2.5)
+    assert isinstance(found.policy_rate, float)
+    assert hash(found) == hash(settings_from(TrainerSettings("crossq", options)))
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"batch": 3}, "'batch'.*batch_size"),
+        ({"batch_size": 0}, "batch_size"),
+        ({"batch_size": 2.5}, "batch_size"),
+        ({"hidden": "256"}, "hidden"),
+        ({"hidden": [256, -1]}, "hidden"),
+        ({"discount": 1.0}, "discount"),
+        ({"critic_rate": float("nan")}, "critic_rate"),
+        ({"critic_rate": float("inf")}, "critic_rate"),
+        ({"critic_rate": "fast"}, "critic_rate"),
+        ({"policy_delay": True}, "policy_delay"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        settings_from(TrainerSettings("crossq", options))
+
+
+def test_an_unknown_trainer_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(InputError, match=r"'sarsa'.*crossq"):
+        settings_from(TrainerSettings("sarsa"))
+
+
+def test_a_third_party_can_add_a_trainer(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Point:
+        name = "other"
+
+        def load(self) -> settings.Algorithm:
+            return settings.Algorithm(CrossQSettings, "robomore.training.crossq:CrossQ")
+
+    monkeypatch.setattr(settings, "entry_points", lambda group: [Point()])
+    assert settings_from(TrainerSettings("other")) == CrossQSettings()
+    with pytest.raises(InputError, match="crossq, other"):
+        settings_from(TrainerSettings("sarsa"))
+
+
+def test_settings_need_no_jax() -> None:
+    code = "import sys, robomore.training.settings; assert 'jax' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
