@@ -1,7 +1,8 @@
 """The tasks as Gymnasium environments: `gymnasium.make("robomore/Ant-v0", parameters=…)`.
 
-Gymnasium calls `register` by itself once RoboMoRe is installed. That happens while Gymnasium is
-being imported, so nothing else is imported here before it is needed.
+Importing this module makes them known, as Gymnasium expects of a package; by name alone,
+`gymnasium.make("robomore.tasks.registration:robomore/Ant-v0")` does so itself. Nothing else is
+imported before an environment is made.
 """
 
 from __future__ import annotations
@@ -76,3 +77,6 @@ def make_environment(
     if isinstance(reward, str):
         reward = reward_function(chosen.reward if reward == "reference" else reward)
     return environment_class(chosen)(chosen, parameters, reward, render_mode, **options)
+
+
+register()

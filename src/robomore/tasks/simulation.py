@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from robomore.errors import UnstableSimulation
 from robomore.tasks.environments import environment_class
 from robomore.tasks.environments.base import Array, RewardFunction
+from robomore.tasks.random_state import generator_state, seed_generator, set_generator_state
 from robomore.tasks.reward_runner import PerSimulationReward, RewardRunner
 from robomore.tasks.task import Task
 from robomore.tasks.transition import Transition
@@ -127,7 +128,7 @@ class Simulations:
         Each simulation draws from a random state of its own, derived from `seed` and its index.
         """
         for index, generator in enumerate(self._generators):
-            _seed(generator, np.random.SeedSequence([seed, index]))
+            seed_generator(generator, np.random.SeedSequence([seed, index]))
             self._begin(index)
         self._root = self.environment.batch_root(self.qpos)
         return self.observation.copy()
@@ -137,7 +138,7 @@ class Simulations:
 
         It begins as Gymnasium's `reset(seed=seed)` of this robot does.
         """
-        _seed(self._generators[index], np.random.SeedSequence(seed))
+        seed_generator(self._generators[index], np.random.SeedSequence(seed))
         self._begin(index)
         self._root[index] = self.environment.batch_root(self.qpos[index : index + 1])[0]
         first: Array = self.observation[index].copy()
@@ -151,14 +152,14 @@ class Simulations:
             UnstableSimulation: the physics diverged over and over.
         """
         # A copy: whatever a reward does to its action stays there.
-        actions = np.array(actions, dtype=np.float64)
-        if actions.shape != (self.n, self.action_size):
+        applied: Array = np.array(actions, dtype=np.float64)
+        if applied.shape != (self.n, self.action_size):
             raise ValueError(
-                f"actions have the shape {actions.shape}, not {(self.n, self.action_size)}"
+                f"actions have the shape {applied.shape}, not {(self.n, self.action_size)}"
             )
         before: Array = self._position.values[:, 0].copy()
         model, frame_skip = self.model, self._frame_skip
-        for data, control, action in zip(self.data, self._controls, actions, strict=True):
+        for data, control, action in zip(self.data, self._controls, applied, strict=True):
             control[:] = action
             mujoco.mj_step(model, data, frame_skip)
         if self._forces_needed:
@@ -174,7 +175,7 @@ class Simulations:
         self._root = self.environment.batch_root(self.qpos)
         reward = np.zeros(self.n)
         if self._runner is not None:
-            reward = self._runner(self, x_velocity, actions)
+            reward = self._runner(self, x_velocity, applied)
         terminated = self.diverged.copy()
         if self._terminates:
             terminated |= ~self.healthy
@@ -213,7 +214,7 @@ class Simulations:
             "elapsed": self.elapsed.copy(),
             "root": self._root.copy(),
             "counts": np.array([self.divergences, self._episodes, self._forces_needed], np.int64),
-            "generators": np.stack([_generator_state(one) for one in self._generators]),
+            "generators": np.stack([generator_state(one) for one in self._generators]),
         }
         runner = {} if self._runner is None else self._runner.state()
         return own | {f"reward_{name}": array for name, array in runner.items()}
@@ -232,7 +233,7 @@ class Simulations:
         self.divergences, self._episodes = (int(count) for count in state["counts"][:2])
         self._forces_needed = bool(state["counts"][2])
         for generator, words in zip(self._generators, state["generators"], strict=True):
-            _set_generator_state(generator, words)
+            set_generator_state(generator, words)
         if self._runner is not None:
             prefix = "reward_"
             self._runner.restore(
@@ -323,25 +324,3 @@ class _Gather:
 
 def _no_reward(self: Any, x_velocity: float, action: Array) -> tuple[float, dict[str, float]]:
     return 0.0, {}
-
-
-def _seed(generator: np.random.Generator, sequence: np.random.SeedSequence) -> None:
-    # In place: the reward of this simulation holds the same generator.
-    generator.bit_generator.state = np.random.PCG64(sequence).state
-
-
-def _generator_state(generator: np.random.Generator) -> NDArray[np.uint64]:
-    state = generator.bit_generator.state
-    big = (state["state"]["state"], state["state"]["inc"])
-    words = [word for number in big for word in (number >> 64, number & (2**64 - 1))]
-    return np.array([*words, state["has_uint32"], state["uinteger"]], np.uint64)
-
-
-def _set_generator_state(generator: np.random.Generator, words: NDArray[np.uint64]) -> None:
-    high, low, inc_high, inc_low, has_uint32, uinteger = (int(word) for word in words)
-    generator.bit_generator.state = {
-        "bit_generator": "PCG64",
-        "state": {"state": high << 64 | low, "inc": inc_high << 64 | inc_low},
-        "has_uint32": has_uint32,
-        "uinteger": uinteger,
-    }
