@@ -239,13 +239,12 @@ def _statements(node: ast.AST) -> Iterator[Finding]:
 
 
 def _writes(node: ast.AST) -> Iterator[Finding]:
+    targets: list[ast.expr]
     match node:
-        case ast.Assign(targets=targets):
-            pass
-        case ast.AugAssign(target=target) | ast.AnnAssign(target=target):
-            targets = [target]
-        case ast.Delete(targets=targets):
-            pass
+        case ast.Assign() | ast.Delete():
+            targets = node.targets
+        case ast.AugAssign() | ast.AnnAssign():
+            targets = [node.target]
         case _:
             return
     for target in targets:

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import faulthandler
 import importlib
+import importlib.util
 import json
 import os
 import signal
 import traceback
+from dataclasses import astuple
 from pathlib import Path
 from typing import NoReturn
 
@@ -56,12 +58,14 @@ def main(replies: int, pulses: int) -> NoReturn:
     # Lets the parent ask which line a stuck call is in, even while C code holds the interpreter.
     faulthandler.register(signal.SIGUSR1, all_threads=False)
     faulthandler.enable(all_threads=False)
+    # Looks through the search path once, while all of it can be read.
+    importlib.util.find_spec(header["function"].partition(":")[0].partition(".")[0])
     try:
-        names = lock(Lock.from_json(header["lock"]))
+        layers = lock(Lock.from_json(header["lock"]))
     except CannotLock as error:
         send(replies, Kind.REFUSED, str(error).encode())
         os._exit(1)
-    send(replies, Kind.LOCKED, json.dumps(names).encode())
+    send(replies, Kind.LOCKED, json.dumps([astuple(layer) for layer in layers]).encode())
     try:
         _serve(header["function"], payload, Path(header["scratch"]), replies)
     finally:

@@ -7,7 +7,6 @@ import json
 import os
 import sys
 import sysconfig
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -16,7 +15,7 @@ from pathlib import Path
 from robomore.errors import InputError
 from robomore.sandbox import pulse
 from robomore.sandbox.follow import Follower
-from robomore.sandbox.lock import Lock
+from robomore.sandbox.lock import Layer, Lock
 from robomore.sandbox.process import Child
 from robomore.types import Limits, Status
 
@@ -41,7 +40,7 @@ class Contained:
         seconds: processor time used, over all threads.
         peak_memory: most bytes resident.
         log: the last of what was printed.
-        layers: names of the layers that were on.
+        layers: of each, whether it was on.
     """
 
     status: Status
@@ -50,7 +49,7 @@ class Contained:
     seconds: float = 0.0
     peak_memory: int = 0
     log: str = ""
-    layers: tuple[str, ...] = ()
+    layers: tuple[Layer, ...] = ()
 
 
 def run_contained(
@@ -80,6 +79,8 @@ def run_contained(
         environment: variables it gets besides the allow-list; never put a secret here.
         mode: whether a missing layer is an error.
 
+    The process is killed when the thread that called this ends, however it ends.
+
     Raises:
         InputError: a layer is missing and `mode` is strict.
     """
@@ -92,7 +93,7 @@ def run_contained(
         "lock": Lock(
             parent=os.getpid(),
             readable=tuple(map(str, _needed(function) | {p.resolve() for p in readable})),
-            writable=tuple(map(str, [scratch, *(p.resolve() for p in writable)])),
+            writable=tuple(map(str, [scratch, os.devnull, *(p.resolve() for p in writable)])),
             memory_bytes=limits.memory_bytes,
             file_bytes=limits.file_bytes,
             cpu_seconds=cpu_seconds,
@@ -100,9 +101,8 @@ def run_contained(
         ).to_json(),
     }
     replies, reply_end = os.pipe()
-    with tempfile.TemporaryFile() as page, os.fdopen(replies, "rb", buffering=0) as frames:
-        page.truncate(pulse.SIZE)
-        ends = (reply_end, page.fileno())
+    with pulse.page() as page, os.fdopen(replies, "rb", buffering=0) as frames:
+        ends = (reply_end, page)
         try:
             child = Child(
                 [sys.executable, "-P", "-s", "-c", _START, _search_path(), *map(str, ends)],
@@ -112,7 +112,7 @@ def run_contained(
             )
         finally:
             os.close(reply_end)
-        follower = Follower(child, frames, page.fileno(), scratch, limits, cpu_seconds)
+        follower = Follower(child, frames, page, scratch, limits, cpu_seconds)
         follower.follow(json.dumps(header).encode() + b"\n" + payload, on_progress)
     if follower.refusal is not None:
         raise InputError(
@@ -163,6 +163,8 @@ def _environment(scratch: Path) -> dict[str, str]:
         "PYTHONHASHSEED": "0",
         "PYTHONDONTWRITEBYTECODE": "1",
         "PYTHONUTF8": "1",
+        # Nothing is drawn there, and looking for a window system would start a process.
+        "MUJOCO_GL": "disabled",
         **dict.fromkeys(_THREADS, "1"),
     }
 
@@ -177,17 +179,28 @@ def _entries() -> list[str]:
 
 def _needed(function: str) -> set[Path]:
     """Return what must be readable to import Python, packages, RoboMoRe and `function`."""
-    needed = {Path(sysconfig.get_path(name)) for name in ("stdlib", "platstdlib")}
-    needed |= {Path(entry) for entry in _entries() if Path(entry).name in _PACKAGES}
-    needed |= {Path(entry) for entry in _entries() if entry.endswith((".zip", "lib-dynload"))}
+    entries = [Path(entry) for entry in _entries()]
+    needed = {Path(folder) for folder in _SYSTEM}
+    needed |= {Path(sysconfig.get_path(name)) for name in ("stdlib", "platstdlib")}
+    # Not a whole prefix: somebody's project folder may be one.
     needed |= {Path(prefix) / "lib" for prefix in (sys.prefix, sys.base_prefix)}
+    needed |= {entry for entry in entries if entry.name in _PACKAGES or entry.suffix == ".zip"}
+    needed |= {Path(f) for f in os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep) if f}
     for package in {"robomore", function.partition(":")[0].partition(".")[0]}:
         spec = importlib.util.find_spec(package)
         if spec is not None and spec.submodule_search_locations:
             needed |= {Path(folder) for folder in spec.submodule_search_locations}
         elif spec is not None and spec.origin is not None:
             needed.add(Path(spec.origin))
-    return {path.resolve() for path in needed if path.exists()}
+    return {path.resolve() for path in needed if path.is_absolute() and path.exists()}
 
 
-_PACKAGES = ("site-packages", "dist-packages")
+_PACKAGES = ("site-packages", "dist-packages", "lib-dynload")
+
+_SYSTEM = (
+    *("/lib", "/lib64", "/usr/lib", "/usr/lib64", "/usr/local/lib", "/nix/store", "/gnu/store"),
+    *("/etc/ld.so.cache", "/etc/localtime", "/dev/null", "/dev/zero", "/dev/urandom"),
+    *("/proc/cpuinfo", "/proc/meminfo", "/proc/sys/vm/overcommit_memory"),
+    *("/sys/devices/system/cpu", "/sys/devices/system/node"),
+)
+"""Shared libraries, and what they ask about the machine. Nothing that a user may have written."""

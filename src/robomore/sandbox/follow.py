@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO
 
 from robomore.sandbox import pulse
+from robomore.sandbox.lock import Layer
 from robomore.sandbox.process import Child
 from robomore.sandbox.usage import folder_bytes, usage
 from robomore.sandbox.watchdog import Sight, Verdict, Watchdog
@@ -41,7 +42,7 @@ class Follower:
     Attributes:
         verdict: status and diagnosis, once `follow` has returned.
         reply: what the child claims that the function returned.
-        layers: names of the layers that were on.
+        layers: of each, whether it was on.
         refusal: why the child would not start, `None` if it did.
         peak_memory: most bytes resident.
     """
@@ -57,7 +58,7 @@ class Follower:
     ) -> None:
         self.verdict: Verdict | None = None
         self.reply = b""
-        self.layers: tuple[str, ...] = ()
+        self.layers: tuple[Layer, ...] = ()
         self.refusal: str | None = None
         self.peak_memory = 0
         self._child = child
@@ -78,7 +79,7 @@ class Follower:
     @property
     def log(self) -> str:
         """The last of what was printed."""
-        return bytes(self._log).decode(errors="replace")
+        return _plain(bytes(self._log).decode(errors="replace"))
 
     def follow(self, request: bytes, on_progress: Callable[[int], None] | None) -> None:
         """Hand over `request` and stay until the child has ended or has to; then bury it."""
@@ -149,7 +150,7 @@ class Follower:
             return
         match kind:
             case Kind.LOCKED if not self.layers:
-                self.layers = tuple(str(name) for name in json.loads(body))
+                self.layers = tuple(Layer(*fields) for fields in json.loads(body))
             case Kind.REFUSED if not self.layers:
                 self.refusal = body.decode()
                 self.verdict = Status.FAILED, self.refusal
@@ -162,7 +163,7 @@ class Follower:
                 status, diagnosis = json.loads(body)
                 if Status(status) is Status.OK or not isinstance(diagnosis, str):
                     raise MalformedFrame("a fault that is none")
-                self.verdict = Status(status), diagnosis[:_LONGEST]
+                self.verdict = Status(status), _plain(diagnosis[:_LONGEST])
             case _:
                 raise MalformedFrame(f"an unexpected {kind.name}")
 
@@ -220,6 +221,13 @@ class Follower:
 _PLACE = re.compile(r'File "<reward>", line (\d+)')
 _MOST_OF = 0.5
 """Share of the memory limit beyond which a violent death is put down to memory."""
+
+
+def _plain(text: str) -> str:
+    """Return a stranger's words without what could steer a terminal."""
+    return "".join(
+        c if c.isprintable() or c in "\n\t" else "\N{REPLACEMENT CHARACTER}" for c in text
+    )
 
 
 def _ignore(units: int) -> None:

@@ -7,7 +7,11 @@ it ends, and the parent looks at the number some times a second: odd and unchang
 
 from __future__ import annotations
 
+import fcntl
 import mmap
+import os
+import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -15,6 +19,31 @@ from typing import Any
 SIZE = mmap.PAGESIZE
 
 _slots: memoryview | None = None
+
+
+@contextmanager
+def page() -> Iterator[int]:
+    """Make the shared page; yields its descriptor.
+
+    On Linux it is of memory and cannot be made smaller, so that neither a full disk nor the child
+    can pull it from under the parent.
+    """
+    if sys.platform == "linux":
+        descriptor = os.memfd_create("pulse", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+        os.truncate(descriptor, SIZE)
+        fcntl.fcntl(
+            descriptor,
+            fcntl.F_ADD_SEALS,
+            fcntl.F_SEAL_SEAL | fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW,
+        )
+    else:
+        with tempfile.TemporaryFile() as file:
+            file.truncate(SIZE)
+            descriptor = os.dup(file.fileno())
+    try:
+        yield descriptor
+    finally:
+        os.close(descriptor)
 
 
 def attach(descriptor: int) -> None:

@@ -18,7 +18,7 @@ class Kind(IntEnum):
     """What a frame carries."""
 
     LOCKED = 1
-    """The layers are on; JSON list of their names. Comes before any stranger's code runs."""
+    """The layers are on; JSON list of them. Comes before any stranger's code runs."""
     REFUSED = 2
     """A layer could not be put on and the child stopped; the reason as text."""
     PROGRESS = 3
