@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-Array = jax.Array | NDArray[np.float32]
+Array = jax.Array | NDArray[Any]
 
 EPSILON = 1e-3
 """Added to variances: inputs that hardly vary are not blown up."""
@@ -134,4 +134,4 @@ def stack(trees: Sequence[Tree]) -> Tree:
 
 def _folded(layer: Layer, gain: Array, offset: Array) -> tuple[jax.Array, jax.Array]:
     weight = jnp.asarray(layer.weight)
-    return gain[:, None] * weight, layer.bias + offset @ weight
+    return jnp.asarray(gain)[:, None] * weight, jnp.asarray(layer.bias + offset @ weight)

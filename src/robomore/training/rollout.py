@@ -1,4 +1,4 @@
-"""Episodes of a trained policy: no reward, no exploration, one seed each."""
+"""Measuring a policy: whole episodes, each from a seed of its own, with no reward anywhere."""
 
 from __future__ import annotations
 
@@ -9,97 +9,124 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.tasks.transition import Transition
 from robomore.training.policy import MLPPolicy
-from robomore.training.trainer import Transition
-
-Array = NDArray[np.float64]
 
 
-class Episodes(Protocol):
-    """Simulations whose episodes the caller starts (`Simulations(…, auto_reset=False)`)."""
-
-    n: int
+class Stage(Protocol):
+    """Simulations whose episodes are started one by one (`Simulations` without `auto_reset`)."""
 
     @property
-    def root_positions(self) -> Array:
-        """(n, 2) x and z of the torso in m."""
+    def n(self) -> int: ...
+
+    @property
+    def root_positions(self) -> NDArray[np.float64]:
+        """(n, 2) x and z of the torso in m, at the end of an episode too."""
         ...
 
-    def reset_one(self, index: int, seed: int) -> Array:
-        """Start an episode; returns its observation."""
-        ...
+    def reset_one(self, index: int, seed: int) -> NDArray[np.float64]: ...
 
-    def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
-        """Apply actions for one control step."""
-        ...
+    def step(self, actions: NDArray[np.floating[Any]]) -> Transition: ...
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Rollout:
-    """What the episodes gave, one number each, in the order of the seeds.
+    """What each episode gave, in the order of its seeds; every array is (episodes,).
 
     Attributes:
-        distance: x of the torso at the last step minus x after reset, in m.
-        highest: highest torso height, in m, the pose after reset included.
+        distance: forward way of the torso from the first to the last step, in m.
+        highest: highest torso height, in m.
         lowest: lowest torso height, in m.
-        length: control steps.
-        fell: whether the episode ended because the robot was unhealthy.
-        effort: mean of |action| over steps and motors, in [0, 1].
+        rest_height: torso height at the start, in m.
+        length: control steps that the episode lasted.
+        fell: whether it ended because the robot was unhealthy.
+        effort: mean size of an action's components, of at most 1.
+        jerk: mean change of an action's components from step to step, of at most 2.
     """
 
-    distance: Array
-    highest: Array
-    lowest: Array
+    distance: NDArray[np.float64]
+    highest: NDArray[np.float64]
+    lowest: NDArray[np.float64]
+    rest_height: NDArray[np.float64]
     length: NDArray[np.int64]
     fell: NDArray[np.bool_]
-    effort: Array
+    effort: NDArray[np.float64]
+    jerk: NDArray[np.float64]
 
 
-def rollout(policy: MLPPolicy, simulations: Episodes, seeds: Sequence[int]) -> Rollout:
-    """Run one episode per seed, as many side by side as there are simulations.
-
-    An episode's numbers depend on its seed alone, not on what runs beside it.
+def rollout(policy: MLPPolicy, stage: Stage, seeds: Sequence[int]) -> Rollout:
+    """Run one episode of the deterministic policy for each of `seeds`.
 
     Args:
-        policy: acts deterministically.
-        simulations: must not reset by themselves.
-        seeds: of the resets.
+        policy: what acts.
+        stage: simulations without a reward, which do not restart by themselves.
+        seeds: one for each episode, at least one.
 
     Raises:
         UnstableSimulation: the physics diverged over and over.
     """
-    waves = [
-        _wave(policy, simulations, seeds[start : start + simulations.n])
-        for start in range(0, len(seeds), simulations.n)
-    ]
-    columns = zip(*waves, strict=True)
-    return Rollout(*(np.concatenate(column) for column in columns))
+    waiting = list(enumerate(seeds))[::-1]
+    running: dict[int, _Episode] = {}
+    finished: list[_Episode] = []
+
+    def begin(i: int) -> NDArray[np.float64]:
+        # A simulation without work goes on idly, so that batches keep their size.
+        number, seed = waiting.pop() if waiting else (None, seeds[-1])
+        first = stage.reset_one(i, seed)
+        if number is not None:
+            x, height = stage.root_positions[i].tolist()
+            running[i] = _Episode(number, start=x, rest_height=height)
+        return first
+
+    observation = np.array([begin(i) for i in range(stage.n)])
+    before = np.zeros((stage.n, 1), np.float32)
+    while running:
+        actions = policy.act(observation)
+        effort = np.abs(actions).mean(axis=1)
+        jerk = np.abs(actions - before).mean(axis=1)
+        before = actions
+        transition = stage.step(actions)
+        positions = stage.root_positions
+        # The simulations may hand out an array of their own.
+        observation = transition.observation.copy()
+        for i, episode in running.items():
+            x, height = positions[i].tolist()
+            episode.note(x, height, float(effort[i]), float(jerk[i]))
+        for i in np.flatnonzero(transition.terminated | transition.truncated).tolist():
+            if i in running:
+                running[i].fell = bool(transition.terminated[i])
+                finished.append(running.pop(i))
+            observation[i] = begin(i)
+    finished.sort(key=lambda episode: episode.number)
+    return Rollout(
+        distance=np.array([episode.x - episode.start for episode in finished]),
+        highest=np.array([episode.highest for episode in finished]),
+        lowest=np.array([episode.lowest for episode in finished]),
+        rest_height=np.array([episode.rest_height for episode in finished]),
+        length=np.array([episode.length for episode in finished]),
+        fell=np.array([episode.fell for episode in finished]),
+        effort=np.array([episode.effort / episode.length for episode in finished]),
+        jerk=np.array([episode.jerk / max(episode.length - 1, 1) for episode in finished]),
+    )
 
 
-def _wave(policy: MLPPolicy, simulations: Episodes, seeds: Sequence[int]) -> tuple[Any, ...]:
-    # Simulations beyond the seeds repeat the last one; their numbers are dropped.
-    padded = [seeds[min(index, len(seeds) - 1)] for index in range(simulations.n)]
-    observation = np.stack([simulations.reset_one(i, seed) for i, seed in enumerate(padded)])
-    last = simulations.root_positions
-    start_x = last[:, 0].copy()
-    highest, lowest = last[:, 1].copy(), last[:, 1].copy()
-    length = np.zeros(simulations.n, np.int64)
-    fell = np.zeros(simulations.n, np.bool_)
-    effort = np.zeros(simulations.n)
-    running = np.ones(simulations.n, np.bool_)
-    while running[: len(seeds)].any():
-        # Row by row: a product of matrices rounds differently with another number of rows.
-        action = np.stack([policy.act(row[None])[0] for row in observation])
-        transition = simulations.step(action)
-        position = simulations.root_positions
-        last[running] = position[running]
-        highest[running] = np.maximum(highest, position[:, 1])[running]
-        lowest[running] = np.minimum(lowest, position[:, 1])[running]
-        length[running] += 1
-        effort[running] += np.abs(action).mean(axis=1)[running]
-        fell |= running & transition.terminated
-        running &= ~(transition.terminated | transition.truncated)
-        observation = transition.observation
-    kept = slice(len(seeds))
-    numbers = (last[:, 0] - start_x, highest, lowest, length, fell, effort / length)
-    return tuple(number[kept] for number in numbers)
+class _Episode:
+    """One episode under way; `effort` and `jerk` are sums over its steps."""
+
+    def __init__(self, number: int, start: float, rest_height: float) -> None:
+        self.number = number
+        self.start = self.x = start
+        self.rest_height = self.highest = self.lowest = rest_height
+        self.length = 0
+        self.fell = False
+        self.effort = 0.0
+        self.jerk = 0.0
+
+    def note(self, x: float, height: float, effort: float, jerk: float) -> None:
+        self.x = x
+        self.highest = max(self.highest, height)
+        self.lowest = min(self.lowest, height)
+        self.effort += effort
+        if self.length:
+            self.jerk += jerk
+        self.length += 1
