@@ -12,9 +12,11 @@ import importlib.util
 import json
 import os
 import signal
+import sys
 import traceback
 from dataclasses import astuple
 from pathlib import Path
+from types import ModuleType
 from typing import NoReturn
 
 from robomore.errors import (
@@ -58,6 +60,8 @@ def main(replies: int, pulses: int) -> NoReturn:
     # Lets the parent ask which line a stuck call is in, even while C code holds the interpreter.
     faulthandler.register(signal.SIGUSR1, all_threads=False)
     faulthandler.enable(all_threads=False)
+    # Gymnasium imports it to open windows, and it would start a process to find its library.
+    sys.modules["glfw"] = ModuleType("glfw")
     # Looks through the search path once, while all of it can be read.
     importlib.util.find_spec(header["function"].partition(":")[0].partition(".")[0])
     try:

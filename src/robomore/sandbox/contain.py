@@ -163,7 +163,7 @@ def _environment(scratch: Path) -> dict[str, str]:
         "PYTHONHASHSEED": "0",
         "PYTHONDONTWRITEBYTECODE": "1",
         "PYTHONUTF8": "1",
-        # Nothing is drawn there, and looking for a window system would start a process.
+        # Nothing is drawn there; see also `child`.
         "MUJOCO_GL": "disabled",
         **dict.fromkeys(_THREADS, "1"),
     }

@@ -77,4 +77,5 @@ def watch(function: Callable[[Any, Any, Any], Any]) -> Callable[[Any, Any, Any],
         finally:
             slots[0] += 1
 
+    counted.__wrapped__ = function  # type: ignore[attr-defined]  # as functools.wraps does
     return counted
