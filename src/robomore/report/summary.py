@@ -1,0 +1,171 @@
+"""A run folder as one frozen value: what `show`, the page and the end of a run all tell."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from robomore.errors import RunFolderError
+from robomore.report.cautions import cautions
+from robomore.report.contestants import Contestant, contestant, finalists, measured_in_final
+from robomore.report.metrics import Spread, ratio
+from robomore.report.way import Step, best_of, in_order, way
+from robomore.store import Ledger, Manifest, RunFolder
+from robomore.tasks import Task, get_task
+from robomore.types import Evaluation, Place, Status
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Evaluations that failed for one reason.
+
+    Attributes:
+        status: how they ended.
+        diagnosis: of the first of them.
+        places: where in the run.
+    """
+
+    status: Status
+    diagnosis: str
+    places: tuple[Place, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What a run has spent: every evaluation counts once, wherever it was asked for."""
+
+    evaluations: int
+    steps: int
+    core_seconds: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Summary:
+    """A run, finished or not.
+
+    Attributes:
+        folder: of the run.
+        manifest: what was asked for.
+        task: that it was asked for.
+        final: whether the champion is the run's last word; else it is the best so far.
+        champion: `None` while nothing has been trained.
+        human: the human design as measured in the final; `None` before that.
+        efficiency_ratio: champion's efficiency over the human design's.
+        fitness_ratio: champion's fitness over the human design's.
+        counts: evaluations by status.
+        cost: of all evaluations.
+        way: from the best of the grid to the champion.
+        placed: every evaluation in each place it was asked for, in the order of the search.
+        failures: by reason, the most frequent first.
+        cautions: what to keep in mind before believing the champion.
+    """
+
+    folder: Path
+    manifest: Manifest
+    task: Task
+    final: bool
+    champion: Contestant | None
+    human: Contestant | None
+    efficiency_ratio: Spread | None
+    fitness_ratio: Spread | None
+    counts: dict[Status, int]
+    cost: Cost
+    way: tuple[Step, ...]
+    placed: tuple[tuple[Place, Evaluation], ...]
+    failures: tuple[Failure, ...]
+    cautions: tuple[str, ...]
+
+    @property
+    def objective(self) -> str:
+        """What the search compared: `efficiency` or `fitness`."""
+        return self.manifest.settings.search.objective
+
+    @property
+    def ratio(self) -> Spread | None:
+        """Champion over human in what the search compared."""
+        return self.efficiency_ratio if self.objective == "efficiency" else self.fitness_ratio
+
+
+def summarise(path: Path) -> Summary:
+    """Read a run folder.
+
+    Raises:
+        RunFolderError: it is no run folder.
+        LedgerError: its ledger is damaged.
+        InputError: its task is not installed here.
+    """
+    folder = RunFolder.existing(path)
+    manifest = Manifest.load(folder.manifest)
+    task = get_task(manifest.task)
+    if not folder.ledger.is_file():
+        raise RunFolderError(f"{path} has no ledger; start its run again with the same command")
+    with closing(Ledger(folder.ledger, read_only=True)) as ledger:
+        placed = in_order(ledger.placed())
+        crowned = [event for event in ledger.events() if event.kind == "finished"]
+    objective = manifest.settings.search.objective
+    keys = set(crowned[-1].body.get("champion", ())) if crowned else set()
+
+    groups = finalists(placed)
+    winner = next((g for g in groups if keys and keys == {e.key for e in g}), None)
+    best = best_of((e for place, e in placed if place.stage != "final"), objective)
+    champion = None
+    if winner:
+        champion = contestant("champion", task, winner)
+    elif best:
+        champion = contestant("best so far", task, [best])
+    trained_human = measured_in_final(placed, "human")
+    human = contestant("human", task, trained_human) if trained_human else None
+
+    return Summary(
+        folder=path,
+        manifest=manifest,
+        task=task,
+        final=winner is not None,
+        champion=champion,
+        human=human,
+        efficiency_ratio=_ratio(champion, human, "efficiency"),
+        fitness_ratio=_ratio(champion, human, "fitness"),
+        counts=_counts(placed),
+        cost=_cost(placed),
+        way=way(placed, manifest.settings.search, winner or ()),
+        placed=tuple(placed),
+        failures=_failures(placed),
+        cautions=cautions(manifest, task, champion, human, final=winner is not None, found=best),
+    )
+
+
+def _ratio(champion: Contestant | None, human: Contestant | None, name: str) -> Spread | None:
+    above = getattr(champion, name, None)
+    below = getattr(human, name, None)
+    return ratio(above.values, below.values) if above and below else None
+
+
+def _distinct(placed: Iterable[tuple[Place, Evaluation]]) -> list[Evaluation]:
+    return list({evaluation.key: evaluation for _, evaluation in placed}.values())
+
+
+def _counts(placed: Sequence[tuple[Place, Evaluation]]) -> dict[Status, int]:
+    return dict(Counter(evaluation.status for evaluation in _distinct(placed)).most_common())
+
+
+def _cost(placed: Sequence[tuple[Place, Evaluation]]) -> Cost:
+    evaluations = _distinct(placed)
+    return Cost(
+        evaluations=len(evaluations),
+        steps=sum(evaluation.steps for evaluation in evaluations),
+        core_seconds=sum(evaluation.seconds for evaluation in evaluations),
+    )
+
+
+def _failures(placed: Sequence[tuple[Place, Evaluation]]) -> tuple[Failure, ...]:
+    groups: dict[tuple[Status, str], list[Place]] = {}
+    for place, evaluation in placed:
+        if not evaluation.ok:
+            groups.setdefault((evaluation.status, evaluation.diagnosis), []).append(place)
+    found = [
+        Failure(status, diagnosis, tuple(places)) for (status, diagnosis), places in groups.items()
+    ]
+    return tuple(sorted(found, key=lambda failure: -len(failure.places)))
