@@ -1,0 +1,58 @@
+"""The five robots next to their official environments, for comparison step by step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import mujoco
+import numpy as np
+from gymnasium.envs.mujoco import MujocoEnv
+
+from robomore.tasks import get_task
+from robomore.tasks.environments import RobotEnvironment, environment_class
+from robomore.tasks.environments.base import RewardFunction
+from robomore.tasks.reward_text import reward_function
+from robomore.tasks.simulation import Simulations
+
+OFFICIAL = {
+    "ant": "Ant-v5",
+    "hopper": "Hopper-v5",
+    "half-cheetah": "HalfCheetah-v5",
+    "swimmer": "Swimmer-v5",
+    "walker": "Walker2d-v5",
+}
+
+
+def reference(task: str) -> RewardFunction:
+    return reward_function(get_task(task).reward)
+
+
+def ours(task: str, reward: RewardFunction | None = None, **options: Any) -> RobotEnvironment:
+    chosen = get_task(task)
+    return environment_class(chosen)(chosen, chosen.human, reward or reference(task), **options)
+
+
+def simulations(task: str, n: int = 2, reward: Any = None, **options: Any) -> Simulations:
+    chosen = get_task(task)
+    return Simulations(chosen, chosen.human, n, reward or reference(task), **options)
+
+
+def official(task: str, folder: Path | None = None) -> gymnasium.Env[Any, Any]:
+    """The official environment with the task's limits of health, on our body if `folder` is given."""
+    chosen = get_task(task)
+    options = chosen.options(chosen.named(chosen.human))
+    if folder is not None:
+        body = folder / f"{task}.xml"
+        body.write_text(chosen.mjcf(chosen.human))
+        options["xml_file"] = str(body)
+    return gymnasium.make(OFFICIAL[task], **options)
+
+
+def copy_state(source: Any, target: MujocoEnv) -> None:
+    """Put `target` where `source` (an environment) is, warm start included."""
+    kind = mujoco.mjtState.mjSTATE_INTEGRATION
+    state = np.empty(mujoco.mj_stateSize(source.model, kind))
+    mujoco.mj_getState(source.model, source.data, state, kind)
+    mujoco.mj_setState(target.model, target.data, state, kind)
