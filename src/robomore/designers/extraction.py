@@ -1,0 +1,243 @@
+"""Finds JSON or Python in what a language model wrote around it.
+
+Lenient where only one meaning is possible (fences, prose, comments, trailing commas, thoughts),
+strict where two are.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import textwrap
+from typing import Any
+
+LONGEST = 200_000
+"""Characters of a reply that are looked at; no sane answer has as many."""
+_TRIES = 40
+"""Opening braces that are followed up; prose has a few, hostile text has thousands."""
+
+_THOUGHT_END = re.compile(r"</(?:think|thinking|thought|reasoning)>", re.IGNORECASE)
+_THOUGHT_START = re.compile(r"<(?:think|thinking|thought|reasoning)>", re.IGNORECASE)
+_FENCE = re.compile(
+    r"^[ \t]*(?P<fence>```+|~~~+)[ \t]*(?P<language>[\w+-]*)[^\n]*\n(?P<body>.*?)"
+    r"(?P<end>^[ \t]*(?P=fence)[ \t]*['\"]*$|\Z)",
+    re.DOTALL | re.MULTILINE,
+)
+_CODE_LINE = re.compile(
+    r"(?:async\s+def|def|class)\s+\w+|(?:import|from)\s+[\w.]+|@\w|#|[A-Za-z_]\w*\s*(?::[^=]+)?=[^=]|"
+    r'["\']{3}|[)\]}]|if\s+__name__|try:|except\b.*:'
+)
+
+
+class NotFound(Exception):
+    """The reply holds nothing of the kind that was asked for; the message says what is wrong."""
+
+
+def without_thoughts(text: str) -> str:
+    """Return `text` without what a reasoning model thought aloud before its answer."""
+    # Some servers cut the opening tag off, and an answer that is cut off may lack the closing one.
+    after = _THOUGHT_START.split(_THOUGHT_END.split(text)[-1])[0].strip()
+    return after or _THOUGHT_START.split(text)[0].strip()
+
+
+def find_object(text: str, wanted: str) -> dict[str, Any]:
+    """Return the JSON object in `text` that has the key `wanted`.
+
+    Raises:
+        NotFound: there is none, it is broken, or there are several that differ.
+    """
+    text = _cleared(text)
+    found: list[dict[str, Any]] = []
+    faults: list[str] = []
+    at, tries = text.find("{"), 0
+    while at != -1 and tries < _TRIES:
+        tries += 1
+        end = _closing(text, at)
+        if end is None:
+            if f'"{wanted}"' in text[at:]:
+                faults.append("the JSON object is not closed; the answer seems to be cut off")
+            at = text.find("{", at + 1)
+            continue
+        try:
+            parsed = _unwrapped(_parsed(text[at:end]), wanted)
+        except NotFound as fault:
+            if wanted in text[at:end]:
+                faults.append(str(fault))
+        else:
+            if isinstance(parsed, dict) and wanted in parsed and parsed not in found:
+                found.append(parsed)
+        at = text.find("{", end)
+    if len(found) > 1:
+        raise NotFound(f"the answer holds {len(found)} different designs; answer with one")
+    if found:
+        return found[0]
+    if faults:
+        raise NotFound(faults[0])
+    raise NotFound(f'the answer holds no JSON object with "{wanted}"')
+
+
+def find_code(text: str, wanted: str) -> tuple[str, bool]:
+    """Return the Python code in `text`, and whether its end was marked.
+
+    Args:
+        text: the reply.
+        wanted: name of the function that the code should define.
+
+    Raises:
+        NotFound: there is no code, or there are several versions of it.
+    """
+    text = _cleared(text)
+    text = _quoted(text, wanted)
+    definition = re.compile(rf"\bdef\s+{re.escape(wanted)}\b")
+    blocks = [(match["body"], bool(match["end"])) for match in _FENCE.finditer(text)]
+    blocks = [(textwrap.dedent(body).strip("\n"), closed) for body, closed in blocks]
+    defining = list(dict.fromkeys(block for block in blocks if definition.search(block[0])))
+    if len({body for body, _ in defining}) > 1:
+        raise NotFound(
+            f"the answer holds {len(defining)} code blocks that define `{wanted}`; answer with one"
+        )
+    if defining:
+        return defining[0]
+    code = [block for block in blocks if re.search(r"\bdef\s+\w+", block[0])]
+    if code:
+        return code[0]
+    return _bare(text, wanted), False
+
+
+def _cleared(text: str) -> str:
+    if len(text) > LONGEST:
+        raise NotFound(f"the answer has {len(text):,} characters; answer with the design alone")
+    text = without_thoughts(text.replace("\r\n", "\n").replace("\ufeff", ""))
+    if not text:
+        raise NotFound("the answer is empty")
+    return text
+
+
+def _closing(text: str, start: int) -> int | None:
+    """Return the end of the braces that open at `start`, strings and comments respected."""
+    depth, at, quote = 0, start, ""
+    while at < len(text):
+        character = text[at]
+        if quote:
+            if character == "\\":
+                at += 1
+            elif character == quote:
+                quote = ""
+        elif character == '"':
+            quote = character
+        elif character == "#" or text.startswith("//", at):
+            at = text.find("\n", at)
+            if at == -1:
+                return None
+        elif character == "{":
+            depth += 1
+        elif character == "}":
+            depth -= 1
+            if depth == 0:
+                return at + 1
+        at += 1
+    return None
+
+
+def _parsed(text: str) -> Any:
+    first = "the JSON cannot be read"
+    for attempt in (text, _tidied(text)):
+        try:
+            return json.loads(
+                attempt, object_pairs_hook=_without_repeats, parse_constant=_no_constant
+            )
+        except json.JSONDecodeError as error:
+            if attempt is text:
+                where = f"line {error.lineno}, column {error.colno}"
+                first = f"the JSON cannot be read: {error.msg} ({where})"
+        except RecursionError:
+            raise NotFound("the JSON is nested too deeply") from None
+        except ValueError as error:
+            # An integer of thousands of digits.
+            raise NotFound(f"the JSON cannot be read: {error}") from None
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, SyntaxError, RecursionError, MemoryError, TypeError):
+        raise NotFound(first) from None
+
+
+def _tidied(text: str) -> str:
+    """Return `text` without comments and trailing commas; strings stay as they are."""
+    pieces = re.split(r'("(?:\\.|[^"\\])*")', text)
+    for index in range(0, len(pieces), 2):
+        pieces[index] = re.sub(r"(?:#|//)[^\n]*", "", pieces[index])
+    return re.sub(r",(\s*[}\]])", r"\1", "".join(pieces))
+
+
+def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in found and found[name] != value:
+            raise NotFound(f"the JSON gives {name!r} twice with different values")
+        found[name] = value
+    return found
+
+
+def _no_constant(name: str) -> float:
+    raise NotFound(f"the JSON holds {name}, which is no finite number")
+
+
+def _unwrapped(parsed: Any, wanted: str) -> Any:
+    """Return the object inside `{"design": {…}}`."""
+    if isinstance(parsed, dict) and wanted not in parsed:
+        inner = [value for value in parsed.values() if isinstance(value, dict) and wanted in value]
+        if len(inner) > 1:
+            raise NotFound(f"the answer holds {len(inner)} different designs; answer with one")
+        if inner:
+            return inner[0]
+    return parsed
+
+
+def _quoted(text: str, wanted: str) -> str:
+    """Return code that came as a JSON value or as a Python string, or `text` as it is."""
+    if text[0] == "{":
+        try:
+            found = json.loads(text, strict=False)
+        except (ValueError, RecursionError):
+            return text
+        values = [value for value in found.values() if isinstance(value, str) and wanted in value]
+        return values[0] if len(values) == 1 else text
+    if text[0] in "'\"" and text[-1] == text[0]:
+        try:
+            found = ast.literal_eval(text)
+        except (ValueError, SyntaxError, RecursionError, MemoryError):
+            # A quote around a fence that runs over several lines.
+            return text[1:-1]
+        return found.strip() if isinstance(found, str) and found.strip() else text
+    return text
+
+
+def _bare(text: str, wanted: str) -> str:
+    """Return code that stands in prose without fences."""
+    lines = text.split("\n")
+    starts = [
+        index
+        for index, line in enumerate(lines)
+        if re.match(r"\s*(?:(?:async\s+)?def|class)\s+\w+\s*[(:]", line)
+    ]
+    if not starts:
+        raise NotFound(f"the answer holds no Python code that defines `{wanted}`")
+    start = starts[0]
+    margin = len(lines[start]) - len(lines[start].lstrip())
+    while start > 0 and _is_code(lines[start - 1], margin) and lines[start - 1].strip():
+        start -= 1
+    whole = textwrap.dedent("\n".join(lines[start:])).strip("\n")
+    try:
+        ast.parse(whole)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        end = start
+        while end < len(lines) and _is_code(lines[end], margin):
+            end += 1
+        return textwrap.dedent("\n".join(lines[start:end])).strip("\n")
+    return whole
+
+
+def _is_code(line: str, margin: int) -> bool:
+    indent = len(line) - len(line.lstrip())
+    return not line.strip() or indent > margin or bool(_CODE_LINE.match(line.strip()))
