@@ -40,7 +40,7 @@ def simulations(task: str, n: int = 2, reward: Any = None, **options: Any) -> Si
 
 
 def official(task: str, folder: Path | None = None) -> gymnasium.Env[Any, Any]:
-    """The official environment with the task's limits of health, on our body if `folder` is given."""
+    """The official environment with the task's limits of health; our body with a `folder`."""
     chosen = get_task(task)
     options = chosen.options(chosen.named(chosen.human))
     if folder is not None:

@@ -106,6 +106,7 @@ class Simulations:
         self.diverged = np.zeros(n, np.bool_)
         self.divergences = 0
         self._episodes = 0
+        self._over = np.zeros(n, np.bool_)
         self._root = self.environment.batch_root(self.qpos)
         self._runner: RewardRunner | None = None
         if reward is not None:
@@ -127,6 +128,7 @@ class Simulations:
 
         Each simulation draws from a random state of its own, derived from `seed` and its index.
         """
+        self.observation = self.observation.copy()  # the last one belongs to the caller
         for index, generator in enumerate(self._generators):
             seed_generator(generator, np.random.SeedSequence([seed, index]))
             self._begin(index)
@@ -138,6 +140,7 @@ class Simulations:
 
         It begins as Gymnasium's `reset(seed=seed)` of this robot does.
         """
+        self.observation = self.observation.copy()
         seed_generator(self._generators[index], np.random.SeedSequence(seed))
         self._begin(index)
         self._root[index] = self.environment.batch_root(self.qpos[index : index + 1])[0]
@@ -212,6 +215,7 @@ class Simulations:
             "position": self._position.values.copy(),
             "observation": self.observation.copy(),
             "elapsed": self.elapsed.copy(),
+            "over": self._over.copy(),
             "root": self._root.copy(),
             "counts": np.array([self.divergences, self._episodes, self._forces_needed], np.int64),
             "generators": np.stack([generator_state(one) for one in self._generators]),
@@ -229,6 +233,7 @@ class Simulations:
         self._position.values[:] = state["position"]
         self.observation = state["observation"].copy()
         self.elapsed = state["elapsed"].copy()
+        self._over = state["over"].copy()
         self._root = state["root"].copy()
         self.divergences, self._episodes = (int(count) for count in state["counts"][:2])
         self._forces_needed = bool(state["counts"][2])
@@ -266,13 +271,15 @@ class Simulations:
         environment.data, environment.np_random = data, self._generators[index]
         self.observation[index] = environment.reset_model()
         self.elapsed[index] = 0
+        self._over[index] = False
         for gather in (self._qpos, self._qvel, self._position):
             gather.read_one(index)
         if self._runner is not None:
             self._runner.reset(index)
 
     def _end(self, ended: NDArray[np.intp], final: Array) -> None:
-        self._episodes += len(ended)
+        self._episodes += int((~self._over[ended]).sum())
+        self._over[ended] = True
         if (
             self.divergences > TOLERATED_DIVERGENCES
             and self.divergences > TOLERATED_SHARE * self._episodes
@@ -295,7 +302,7 @@ class Simulations:
         self.diverged |= self._warnings.values.any(axis=1)
         self.diverged |= ~(np.isfinite(self.qpos).all(axis=1) & np.isfinite(self.qvel).all(axis=1))
         for index in np.flatnonzero(self.diverged).tolist():
-            self.divergences += 1
+            self.divergences += int(not self._over[index])
             data = self.data[index]
             mujoco.mj_resetData(self.model, data)
             mujoco.mj_forward(self.model, data)

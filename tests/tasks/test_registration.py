@@ -1,0 +1,84 @@
+"""Tasks as ordinary Gymnasium environments."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from robomore.errors import InvalidMorphology, InvalidReward
+from robomore.tasks import TASKS
+from robomore.tasks.registration import ENVIRONMENTS, EPISODE_STEPS, register
+
+
+def test_every_task_is_registered_once() -> None:
+    assert set(ENVIRONMENTS.values()) == set(TASKS)
+    assert all(task.episode_steps == EPISODE_STEPS for task in TASKS.values())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        register()
+        register()
+    assert {f"robomore/{name}-v0" for name in ENVIRONMENTS} <= set(gymnasium.registry)
+
+
+@pytest.mark.parametrize("name", ENVIRONMENTS)
+def test_passes_gymnasiums_own_check(name: str) -> None:
+    made = gymnasium.make(f"robomore/{name}-v0")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*Box observation space.*infinity")
+        check_env(made.unwrapped, skip_render_check=True)
+    assert made.spec is not None and made.spec.max_episode_steps == EPISODE_STEPS
+
+
+def test_parameters_and_rewards_are_taken_in_every_form() -> None:
+    def double(self: Any, x_velocity: float, action: Any) -> tuple[float, dict[str, float]]:
+        return 2 * x_velocity, {}
+
+    text = "def _get_rew(self, x_velocity, action):\n    return 3 * x_velocity, {'m': math.pi}\n"
+    human = TASKS["swimmer"].human
+    named = dict(zip(TASKS["swimmer"].names, human, strict=True))
+    found = []
+    for options in (
+        {"reward": "def _get_rew(self, v, a):\n    return v, {}\n"},
+        {"reward": double, "parameters": list(human)},
+        {"reward": text, "parameters": named},
+    ):
+        made = gymnasium.make("robomore/Swimmer-v0", **options)
+        made.reset(seed=0)
+        found.append(made.step(np.ones(2, np.float32))[1])
+    assert found == pytest.approx([found[0], 2 * found[0], 3 * found[0]])
+    assert found[0] != 0
+
+
+def test_the_reference_is_the_default() -> None:
+    ours = gymnasium.make("robomore/Swimmer-v0")
+    theirs = gymnasium.make("Swimmer-v5")
+    assert np.array_equal(ours.reset(seed=3)[0], theirs.reset(seed=3)[0])
+    action = np.array([0.3, -0.7])
+    assert ours.step(action)[1] == pytest.approx(theirs.step(action)[1], abs=1e-9)
+
+
+def test_mistakes_are_named() -> None:
+    with pytest.raises(InvalidMorphology, match="'tall'"):
+        gymnasium.make("robomore/Ant-v0", parameters="tall")
+    with pytest.raises(InvalidMorphology, match="takes 10"):
+        gymnasium.make("robomore/Ant-v0", parameters=[1.0])
+    with pytest.raises(InvalidReward, match="does not parse"):
+        gymnasium.make("robomore/Ant-v0", reward="def _get_rew(")
+    with pytest.raises(InvalidReward, match="_get_rew"):
+        gymnasium.make("robomore/Ant-v0", reward="x = 1")
+
+
+def test_importing_the_module_is_cheap_and_enough() -> None:
+    code = (
+        "import sys, gymnasium, robomore.tasks.registration\n"
+        "assert 'mujoco' not in sys.modules and 'jax' not in sys.modules\n"
+        "gymnasium.make('robomore/Swimmer-v0')\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
