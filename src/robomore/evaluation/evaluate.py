@@ -16,6 +16,7 @@ from pathlib import Path
 import msgspec
 
 from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
+from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import measure
 from robomore.evaluation.request import Request, Training
 from robomore.evaluation.train import POLICY
@@ -23,7 +24,10 @@ from robomore.sandbox.check import check_reward
 from robomore.sandbox.contain import Containment, run_contained
 from robomore.tasks import Task, get_task
 from robomore.tasks.compile import body_facts
+from robomore.tasks.simulation import Simulations
+from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.policy import MLPPolicy
+from robomore.training.warm import Shape
 from robomore.types import Evaluation, Status
 
 
@@ -72,6 +76,10 @@ def _evaluate(
         said = "; ".join(f"line {fault.line}: {fault.message}" for fault in faults)
         return Evaluation(key, job, Status.INVALID_REWARD, said, body=body)
 
+    containment = Containment(request.containment)
+    robot = Simulations(task, parameters, 1)
+    shape = Shape(job.trainer, robot.observation_size, robot.action_size)
+    compiled = compiled_trainer(shape, containment)
     trained = run_contained(
         "robomore.evaluation.train:train",
         msgspec.json.encode(request),
@@ -79,7 +87,9 @@ def _evaluate(
         job.limits,
         writable=[Path(request.checkpoint)] if request.checkpoint else [],
         on_progress=progress,
-        mode=Containment(request.containment),
+        readable=[compiled] if compiled else [],
+        environment={CACHE_VARIABLE: str(compiled)} if compiled else {},
+        mode=containment,
     )
     if trained.status is not Status.OK:
         return Evaluation(

@@ -67,5 +67,6 @@ def measure(
             "episode_seconds": float(run.length.mean() * step_seconds),
             "fell_share": float(run.fell.mean()),
             "mean_effort": float(run.effort.mean()),
+            "mean_jerk": float(run.jerk.mean()),
         },
     )
