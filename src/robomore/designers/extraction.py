@@ -16,14 +16,12 @@ LONGEST = 200_000
 """Characters of a reply that are looked at; no sane answer has as many."""
 _TRIES = 40
 """Opening braces that are followed up; prose has a few, hostile text has thousands."""
+_LONGEST_OBJECT = 20_000
+"""Characters in which an object has to close."""
 
 _THOUGHT_END = re.compile(r"</(?:think|thinking|thought|reasoning)>", re.IGNORECASE)
 _THOUGHT_START = re.compile(r"<(?:think|thinking|thought|reasoning)>", re.IGNORECASE)
-_FENCE = re.compile(
-    r"^[ \t]*(?P<fence>```+|~~~+)[ \t]*(?P<language>[\w+-]*)[^\n]*\n(?P<body>.*?)"
-    r"(?P<end>^[ \t]*(?P=fence)[ \t]*['\"]*$|\Z)",
-    re.DOTALL | re.MULTILINE,
-)
+_FENCE = re.compile(r"(?P<fence>`{3,}|~{3,})\s*[\w+-]*")
 _CODE_LINE = re.compile(
     r"(?:async\s+def|def|class)\s+\w+|(?:import|from)\s+[\w.]+|@\w|#|[A-Za-z_]\w*\s*(?::[^=]+)?=[^=]|"
     r'["\']{3}|[)\]}]|if\s+__name__|try:|except\b.*:'
@@ -90,8 +88,7 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
     text = _cleared(text)
     text = _quoted(text, wanted)
     definition = re.compile(rf"\bdef\s+{re.escape(wanted)}\b")
-    blocks = [(match["body"], bool(match["end"])) for match in _FENCE.finditer(text)]
-    blocks = [(textwrap.dedent(body).strip("\n"), closed) for body, closed in blocks]
+    blocks = _blocks(text)
     defining = list(dict.fromkeys(block for block in blocks if definition.search(block[0])))
     if len({body for body, _ in defining}) > 1:
         raise NotFound(
@@ -103,6 +100,28 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
     if code:
         return code[0]
     return _bare(text, wanted), False
+
+
+def _blocks(text: str) -> list[tuple[str, bool]]:
+    """Return what stands between fences, and whether the closing fence is there."""
+    found: list[tuple[str, bool]] = []
+    body: list[str] = []
+    fence = ""
+    for line in text.split("\n"):
+        said = line.strip().strip("'\"")
+        opening = _FENCE.match(said)
+        if fence and opening and opening["fence"].startswith(fence) and opening["fence"] == said:
+            found.append((_dedented(body), True))
+            body, fence = [], ""
+        elif fence:
+            body.append(line)
+        elif opening:
+            fence = opening["fence"]
+    return [*found, (_dedented(body), False)] if fence else found
+
+
+def _dedented(lines: list[str]) -> str:
+    return textwrap.dedent("\n".join(lines)).strip("\n")
 
 
 def _cleared(text: str) -> str:
@@ -117,7 +136,7 @@ def _cleared(text: str) -> str:
 def _closing(text: str, start: int) -> int | None:
     """Return the end of the braces that open at `start`, strings and comments respected."""
     depth, at, quote = 0, start, ""
-    while at < len(text):
+    while at < min(len(text), start + _LONGEST_OBJECT):
         character = text[at]
         if quote:
             if character == "\\":
@@ -227,14 +246,14 @@ def _bare(text: str, wanted: str) -> str:
     margin = len(lines[start]) - len(lines[start].lstrip())
     while start > 0 and _is_code(lines[start - 1], margin) and lines[start - 1].strip():
         start -= 1
-    whole = textwrap.dedent("\n".join(lines[start:])).strip("\n")
+    whole = _dedented(lines[start:])
     try:
         ast.parse(whole)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         end = start
         while end < len(lines) and _is_code(lines[end], margin):
             end += 1
-        return textwrap.dedent("\n".join(lines[start:end])).strip("\n")
+        return _dedented(lines[start:end])
     return whole
 
 
