@@ -88,12 +88,12 @@ def test_batched_facts_are_those_of_the_official_methods(task: str) -> None:
         one.data.qvel[:] = random.normal(0, 20, one.model.nv)
         mujoco.mj_forward(one.model, one.data)
         mujoco.mj_rnePostConstraint(one.model, one.data)
-        qpos, qvel, forces = one.data.qpos[None], one.data.qvel[None], one.data.cfrc_ext[None]
-        np.testing.assert_array_equal(one.batch_observation(qpos, qvel, forces)[0], one._get_obs())
+        state, forces = one.state_vector()[None], one.data.cfrc_ext[None]
+        np.testing.assert_array_equal(one.batch_observation(state, forces)[0], one._get_obs())
         healthy = getattr(one, "is_healthy", True)
-        assert one.batch_healthy(qpos, qvel)[0] == healthy
+        assert one.batch_healthy(state)[0] == healthy
         place = one.data.body(1).xpos[[0, 2]]
-        np.testing.assert_allclose(one.batch_root(qpos)[0], place, atol=1e-12)
+        np.testing.assert_allclose(one.batch_root(one.data.qpos[None])[0], place, atol=1e-12)
 
 
 def test_walker_falls_out_of_health_when_its_state_runs_away() -> None:
@@ -102,16 +102,17 @@ def test_walker_falls_out_of_health_when_its_state_runs_away() -> None:
     assert walker.is_healthy
     walker.data.qvel[-1] = 101.0
     assert not walker.is_healthy
-    assert not walker.batch_healthy(walker.data.qpos[None], walker.data.qvel[None])[0]
+    assert not walker.batch_healthy(walker.state_vector()[None])[0]
 
 
 def test_not_a_number_is_unhealthy() -> None:
     for task in ("ant", "hopper", "walker"):
         one = ours(task)
-        qvel = np.zeros((1, one.model.nv))
-        assert one.batch_healthy(one.init_qpos[None], qvel)[0]
-        qvel[0, 0] = np.nan
-        assert not one.batch_healthy(one.init_qpos[None], qvel)[0]
+        state = np.concatenate((one.init_qpos, one.init_qvel))[None]
+        assert one.batch_healthy(state)[0]
+        for harm in (np.nan, np.inf, -np.inf):
+            state[0, -1] = harm
+            assert not one.batch_healthy(state)[0]
 
 
 @pytest.mark.parametrize("task", TASKS)
@@ -154,7 +155,7 @@ def test_options_of_the_official_class_can_be_given() -> None:
     observation, _ = ant.reset(seed=0)
     assert observation.shape == (27,)
     np.testing.assert_array_equal(observation[:13], ant.init_qpos[2:])
-    assert ant.batch_observation(ant.data.qpos[None], ant.data.qvel[None], None).shape == (1, 27)
+    assert ant.batch_observation(ant.state_vector()[None], ant.data.cfrc_ext[None]).shape == (1, 27)
 
 
 def test_parameters_change_the_body() -> None:

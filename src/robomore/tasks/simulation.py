@@ -6,6 +6,7 @@ and bit-identical to the official environments. Everything else is done for the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -46,8 +47,9 @@ class Simulations:
         environment: one Gymnasium environment of this body, for its options and batched facts.
         data: MuJoCo's data of each simulation.
         observation: (n, observation_size) what the next actions answer to.
-        qpos: (n, nq) positions after the last step.
-        qvel: (n, nv) velocities after the last step.
+        physics_state: (n, nq + nv) positions and velocities now.
+        qpos: (n, nq) the positions in it.
+        qvel: (n, nv) the velocities in it.
         cfrc_ext: (n, bodies, 6) contact forces after the last step, where anything asks for them.
         healthy: (n,) bool after the last step.
         elapsed: (n,) control steps done in each episode.
@@ -92,22 +94,24 @@ class Simulations:
         self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(n)]
         self._controls = [one.ctrl for one in self.data]
         self._forces_needed = self.environment.observes_forces
-        self._qpos = _Gather([one.qpos for one in self.data])
-        self._qvel = _Gather([one.qvel for one in self.data])
-        self._cfrc_ext = _Gather([one.cfrc_ext.ravel() for one in self.data])
-        self._position = _Gather([self.environment.position_view(one) for one in self.data])
-        self._warnings = _Gather([one.warning.number[_DIVERGED] for one in self.data])
-        self.qpos, self.qvel = self._qpos.values, self._qvel.values
-        self.cfrc_ext = self._cfrc_ext.values.reshape(n, -1, 6)
+        position_view = self.environment.position_view
+        self._rows = _Gather([[one.qpos, one.qvel, position_view(one)] for one in self.data])
+        self._forces = _Gather([[one.cfrc_ext.ravel()] for one in self.data])
+        self._warnings = _Gather([[one.warning.number[_DIVERGED]] for one in self.data])
+        self.physics_state: Array = self._rows.values[:, :-1]
+        self.qpos = self.physics_state[:, : self.model.nq]
+        self.qvel = self.physics_state[:, self.model.nq :]
+        self._position: Array = self._rows.values[:, -1]
+        self.cfrc_ext: Array = self._forces.values.reshape(n, -1, 6)
 
         self.observation: Array = np.zeros((n, self.observation_size))
         self.healthy = np.ones(n, np.bool_)
         self.elapsed = np.zeros(n, np.int64)
-        self.diverged = np.zeros(n, np.bool_)
+        self.diverged: NDArray[np.bool_] = np.zeros(n, np.bool_)
         self.divergences = 0
         self._episodes = 0
         self._over = np.zeros(n, np.bool_)
-        self._root = self.environment.batch_root(self.qpos)
+        self._last_root: Array | None = None
         self._runner: RewardRunner | None = None
         if reward is not None:
             self._runner = PerSimulationReward(
@@ -121,7 +125,11 @@ class Simulations:
         An episode that starts by itself does not count: after a step that ended an episode these
         are its last positions, after `reset` and `reset_one` the first ones.
         """
-        return self._root.copy()
+        return (
+            self.environment.batch_root(self.qpos)
+            if self._last_root is None
+            else self._last_root.copy()
+        )
 
     def reset(self, seed: int) -> Array:
         """Start all episodes anew; returns observations (n, observation_size).
@@ -132,7 +140,7 @@ class Simulations:
         for index, generator in enumerate(self._generators):
             seed_generator(generator, np.random.SeedSequence([seed, index]))
             self._begin(index)
-        self._root = self.environment.batch_root(self.qpos)
+        self._last_root = None
         return self.observation.copy()
 
     def reset_one(self, index: int, seed: int) -> Array:
@@ -143,7 +151,8 @@ class Simulations:
         self.observation = self.observation.copy()
         seed_generator(self._generators[index], np.random.SeedSequence(seed))
         self._begin(index)
-        self._root[index] = self.environment.batch_root(self.qpos[index : index + 1])[0]
+        if self._last_root is not None:
+            self._last_root[index] = self.environment.batch_root(self.qpos)[index]
         first: Array = self.observation[index].copy()
         return first
 
@@ -160,7 +169,7 @@ class Simulations:
             raise ValueError(
                 f"actions have the shape {applied.shape}, not {(self.n, self.action_size)}"
             )
-        before: Array = self._position.values[:, 0].copy()
+        before = self._position.copy()
         model, frame_skip = self.model, self._frame_skip
         for data, control, action in zip(self.data, self._controls, applied, strict=True):
             control[:] = action
@@ -171,23 +180,24 @@ class Simulations:
         self._gather()
         self._settle_diverged()
 
-        x_velocity = (self._position.values[:, 0] - before) / self._dt
-        x_velocity[self.diverged] = 0.0
-        final = self.environment.batch_observation(self.qpos, self.qvel, self.cfrc_ext)
-        self.healthy = self.environment.batch_healthy(self.qpos, self.qvel)
-        self._root = self.environment.batch_root(self.qpos)
-        reward = np.zeros(self.n)
-        if self._runner is not None:
+        x_velocity = (self._position - before) / self._dt
+        final = self.environment.batch_observation(self.physics_state, self.cfrc_ext)
+        self.healthy = self.environment.batch_healthy(self.physics_state)
+        terminated = ~self.healthy if self._terminates else np.zeros(self.n, np.bool_)
+        if self.diverged.any():
+            x_velocity[self.diverged] = 0.0
+            terminated |= self.diverged
+        if self._runner is None:
+            reward = np.zeros(self.n)
+        else:
             reward = self._runner(self, x_velocity, applied)
-        terminated = self.diverged.copy()
-        if self._terminates:
-            terminated |= ~self.healthy
         self.elapsed += 1
         truncated = self.elapsed >= self._steps
         self.observation = final
-        ended = np.flatnonzero(terminated | truncated)
-        if len(ended):
-            self._end(ended, final)
+        self._last_root = None
+        ended = terminated | truncated
+        if ended.any():
+            self._end(np.flatnonzero(ended), final)
         return Transition(self.observation, reward, terminated, truncated, final)
 
     def reward_statistics(self) -> dict[str, TermStatistics]:
@@ -212,11 +222,11 @@ class Simulations:
             mujoco.mj_getState(self.model, data, row, _STATE)
         own = {
             "physics": physics,
-            "position": self._position.values.copy(),
+            "position": self._position.copy(),
             "observation": self.observation.copy(),
             "elapsed": self.elapsed.copy(),
             "over": self._over.copy(),
-            "root": self._root.copy(),
+            "root": self.root_positions,
             "counts": np.array([self.divergences, self._episodes, self._forces_needed], np.int64),
             "generators": np.stack([generator_state(one) for one in self._generators]),
         }
@@ -230,11 +240,11 @@ class Simulations:
             mujoco.mj_setState(self.model, data, row, _STATE)
         self._gather()
         # Body positions lag behind qpos within a step, so they cannot be computed from it.
-        self._position.values[:] = state["position"]
+        self._position[:] = state["position"]
         self.observation = state["observation"].copy()
         self.elapsed = state["elapsed"].copy()
         self._over = state["over"].copy()
-        self._root = state["root"].copy()
+        self._last_root = state["root"].copy()
         self.divergences, self._episodes = (int(count) for count in state["counts"][:2])
         self._forces_needed = bool(state["counts"][2])
         for generator, words in zip(self._generators, state["generators"], strict=True):
@@ -250,11 +260,9 @@ class Simulations:
             )
 
     def _gather(self) -> None:
-        self._qpos.read()
-        self._qvel.read()
-        self._position.read()
+        self._rows.read()
         if self._forces_needed:
-            self._cfrc_ext.read()
+            self._forces.read()
 
     def _need_forces(self) -> None:
         """Compute contact forces now and after every step from now on."""
@@ -262,7 +270,7 @@ class Simulations:
             self._forces_needed = True
             for data in self.data:
                 mujoco.mj_rnePostConstraint(self.model, data)
-            self._cfrc_ext.read()
+            self._forces.read()
 
     def _begin(self, index: int) -> None:
         """Start an episode just as the official environment does, with its own code."""
@@ -272,8 +280,7 @@ class Simulations:
         self.observation[index] = environment.reset_model()
         self.elapsed[index] = 0
         self._over[index] = False
-        for gather in (self._qpos, self._qvel, self._position):
-            gather.read_one(index)
+        self._rows.read_one(index)
         if self._runner is not None:
             self._runner.reset(index)
 
@@ -289,44 +296,47 @@ class Simulations:
                 "body cannot be simulated with these motors."
             )
         if self._auto_reset:
+            self._last_root = self.environment.batch_root(self.qpos)
             self.observation = final.copy()
             for index in ended.tolist():
                 self._begin(index)
 
     def _settle_diverged(self) -> None:
         self._warnings.read()
-        finite = np.isfinite(self.qpos.sum() + self.qvel.sum())
+        warned = self._warnings.values
         self.diverged = np.zeros(self.n, np.bool_)
-        if finite and not self._warnings.values.any():
+        if not warned.any() and math.isfinite(self.physics_state.sum()):
             return
-        self.diverged |= self._warnings.values.any(axis=1)
-        self.diverged |= ~(np.isfinite(self.qpos).all(axis=1) & np.isfinite(self.qvel).all(axis=1))
+        finite = np.isfinite(self.physics_state).all(axis=1)
+        self.diverged = np.logical_or(warned.any(axis=1), ~finite)
         for index in np.flatnonzero(self.diverged).tolist():
             self.divergences += int(not self._over[index])
             data = self.data[index]
             mujoco.mj_resetData(self.model, data)
             mujoco.mj_forward(self.model, data)
-            for gather in (self._qpos, self._qvel, self._cfrc_ext, self._position):
-                gather.read_one(index)
+            self._rows.read_one(index)
+            self._forces.read_one(index)
 
 
 class _Gather:
-    """The same array of all simulations as rows of one.
+    """Arrays of each simulation side by side in one row.
 
     Attributes:
         values: (n, size), overwritten by each reading.
     """
 
-    def __init__(self, views: list[NDArray[Any]]) -> None:
-        self._views = views
-        self.values = np.zeros((len(views), views[0].size), views[0].dtype)
+    def __init__(self, views: list[list[NDArray[Any]]]) -> None:
+        self._rows = views
+        self._views = [view for row in views for view in row]
+        size = sum(view.size for view in views[0])
+        self.values = np.zeros((len(views), size), views[0][0].dtype)
         self._flat = self.values.reshape(-1)
 
     def read(self) -> None:
         np.concatenate(self._views, out=self._flat)
 
     def read_one(self, index: int) -> None:
-        self.values[index] = self._views[index]
+        np.concatenate(self._rows[index], out=self.values[index])
 
 
 def _no_reward(self: Any, x_velocity: float, action: Array) -> tuple[float, dict[str, float]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import mujoco
 import numpy as np
 from gymnasium.envs.mujoco.ant_v5 import AntEnv
@@ -23,19 +25,28 @@ class AntEnvironment(RobotEnvironment, AntEnv):
     def observes_forces(self) -> bool:
         return bool(self._include_cfrc_ext_in_observation)
 
-    def batch_observation(self, qpos: Array, qvel: Array, cfrc_ext: Array) -> Array:
-        state = super().batch_observation(qpos, qvel, cfrc_ext)
+    def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
         if not self.observes_forces:
-            return state
-        # The world body feels no force worth observing.
-        forces = np.clip(cfrc_ext[:, 1:], *self._contact_force_range)
-        return np.concatenate((state, forces.reshape(len(qpos), -1)), axis=1)
+            return super().batch_observation(state, cfrc_ext)
+        start = self.observation_structure["skipped_qpos"]
+        felt = cfrc_ext[:, 1:].reshape(len(state), -1)  # nothing pushes the world
+        observation = np.concatenate((state[:, start:], felt), axis=1)
+        forces = observation[:, -felt.shape[1] :]
+        np.clip(forces, *self._contact_force_range, out=forces)
+        return observation
 
-    def batch_healthy(self, qpos: Array, qvel: Array) -> NDArray[np.bool_]:
-        low, high = self._healthy_z_range
-        height = qpos[:, 2]
-        finite = np.isfinite(qpos).all(axis=1) & np.isfinite(qvel).all(axis=1)
-        return finite & (low <= height) & (height <= high)
+    def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
+        low, high = self._limits
+        healthy: NDArray[np.bool_] = np.logical_and(low <= state, state <= high).all(axis=1)
+        return healthy
+
+    @cached_property
+    def _limits(self) -> Array:
+        """(2, nq + nv): what each number of a healthy state stays within; all are finite."""
+        largest = np.finfo(np.float64).max
+        limits = np.full((2, self.model.nq + self.model.nv), [[-largest], [largest]])
+        limits[:, 2] = np.clip(self._healthy_z_range, -largest, largest)
+        return limits
 
     def batch_root(self, qpos: Array) -> Array:
         return qpos[:, [0, 2]]

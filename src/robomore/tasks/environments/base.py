@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import mujoco
@@ -81,20 +82,18 @@ class RobotEnvironment(MujocoEnv):
         """Whether observations hold contact forces (`cfrc_ext`)."""
         return False
 
-    def batch_observation(self, qpos: Array, qvel: Array, cfrc_ext: Array) -> Array:
+    def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
         """Return observations (n, observation size) as a new array.
 
         Args:
-            qpos: (n, nq) positions.
-            qvel: (n, nv) velocities.
-            cfrc_ext: (n, bodies, 6) contact forces; empty where the robot does not observe them.
+            state: (n, nq + nv) positions and velocities.
+            cfrc_ext: (n, bodies, 6) contact forces; not read where the robot does not observe them.
         """
-        skipped = self.observation_structure["skipped_qpos"]
-        return np.concatenate((qpos[:, skipped:], qvel), axis=1)
+        return state[:, self.observation_structure["skipped_qpos"] :].copy()
 
-    def batch_healthy(self, qpos: Array, qvel: Array) -> NDArray[np.bool_]:
-        """Return (n,) bool: whether an episode may go on."""
-        return np.ones(len(qpos), dtype=np.bool_)
+    def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
+        """Return (n,) bool: whether an episode may go on with this `state` (n, nq + nv)."""
+        return np.ones(len(state), dtype=np.bool_)
 
     def batch_root(self, qpos: Array) -> Array:
         """Return (n, 2): x and z of the torso, in m."""
@@ -124,16 +123,24 @@ class UprightEnvironment(RobotEnvironment):
     _healthy_z_range: tuple[float, float]
     _healthy_angle_range: tuple[float, float]
 
-    def batch_observation(self, qpos: Array, qvel: Array, cfrc_ext: Array) -> Array:
-        return super().batch_observation(qpos, np.clip(qvel, -10, 10), cfrc_ext)
+    def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
+        observation = super().batch_observation(state, cfrc_ext)
+        velocities = observation[:, -self.model.nv :]
+        np.clip(velocities, -10, 10, out=velocities)
+        return observation
 
-    def batch_healthy(self, qpos: Array, qvel: Array) -> NDArray[np.bool_]:
-        state = np.concatenate((qpos[:, 2:], qvel), axis=1)
-        bounded = _within(self._healthy_state_range, state).all(axis=1)
-        standing = _within(self._healthy_z_range, qpos[:, 1])
-        upright = _within(self._healthy_angle_range, qpos[:, 2])
-        return np.logical_and(bounded & standing, upright)
+    def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
+        low, high = self._limits
+        healthy: NDArray[np.bool_] = np.logical_and(low < state, state < high).all(axis=1)
+        return healthy
 
-
-def _within(limits: tuple[float, float], values: Array) -> NDArray[np.bool_]:
-    return (limits[0] < values) & (values < limits[1])
+    @cached_property
+    def _limits(self) -> Array:
+        """(2, nq + nv): what each number of a healthy state stays between; x is free."""
+        limits = np.empty((2, self.model.nq + self.model.nv))
+        limits[:, 0] = -np.inf, np.inf
+        limits[:, 1] = self._healthy_z_range
+        limits[:, 2:] = np.reshape(self._healthy_state_range, (2, 1))
+        low, high = self._healthy_angle_range
+        limits[:, 2] = max(limits[0, 2], low), min(limits[1, 2], high)
+        return limits
