@@ -1,7 +1,7 @@
 """What makes a body worth training before anything is known of it: a prior over bodies.
 
-All measures are general: they read a body's solids and its rest pose, know no task and no official
-robot, and are in units of log efficiency, so that a body with 1 less is expected to be 2.7 times worse.
+All measures are general: they read a body's solids and its rest pose, and know no task and no
+official robot. They are in units of log efficiency: 1 less is expected to be 2.7 times worse.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.designers.skeleton import Pose, Skeleton
+from robomore.designers.pose import Pose
+from robomore.designers.skeleton import Skeleton
 from robomore.designers.space import UnitSpace
 from robomore.tasks.task import Task
 
@@ -21,8 +22,8 @@ log = logging.getLogger(__name__)
 Array = NDArray[np.float64]
 
 LIGHTNESS = 0.7
-"""Log efficiency gained by a body of 1/e the volume. Were it as fast, it would gain 1; but light and
-thin bodies learn later, so only part of that is believed."""
+"""Log efficiency gained by a body of 1/e the volume. Were it as fast, it would gain 1; but light
+and thin bodies learn later, so only part of that is believed."""
 
 STRIDE = 0.8
 """Log efficiency gained by a body of e times the reach (largest extent at rest), up to LARGE[0]:
@@ -64,7 +65,7 @@ class Prior:
             self._skeleton = None
 
     def expected(self, bodies: Array) -> Array:
-        """Return the log efficiency expected of valid `bodies` (n, size), up to a constant, (n,)."""
+        """Return the log efficiency expected of valid `bodies` (n, size), less a constant, (n,)."""
         lengths, radii, volumes = self._solids(bodies)
         merit = -LIGHTNESS * np.log(volumes) - self._oddity_of_solids(bodies, lengths, radii)
         if (pose := self._pose(bodies)) is not None:
@@ -127,7 +128,7 @@ class Prior:
 def _oddity_of_pose(pose: Pose) -> Array:
     stands = pose.height > 1e-6
     lies = np.maximum(LOW - pose.height / pose.reach, 0) / LOW
-    return (
+    oddity: Array = (
         np.maximum(np.log(pose.reach / LARGE[1]), 0)
         - 2 * np.log(pose.leverage)
         + 4 * np.minimum(pose.overhang, 1)
@@ -135,6 +136,7 @@ def _oddity_of_pose(pose: Pose) -> Array:
         + 3 * np.maximum(np.log(pose.folding / FOLDED), 0)
         + np.where(stands, 2 * lies, 0)
     )
+    return oddity
 
 
 def _outside(values: Array, low: float, high: float) -> Array:

@@ -33,8 +33,8 @@ class Proposer:
 
     The pool starts as valid bodies spread over the whole box, thin ones included. Differential
     evolution with crowding (a child competes with its own parent alone) then raises every member to
-    where the prior finds nothing odd, without drawing the pool together. A proposal is the member with the
-    best sum of prior merit and distance to what was proposed before.
+    where the prior finds little that is odd, without drawing the pool together. A proposal is the
+    member with the best sum of prior merit and distance to what was proposed before.
     """
 
     def __init__(self, task: Task, seed: int) -> None:

@@ -1,8 +1,8 @@
 """A better body from what was measured: a model-based step inside a region of trust.
 
-Efficiency is fitness over volume, and the volume of any body is known without measuring it. So only
-log fitness is modelled, and the exact log volume is subtracted: the step sees that a thinner leg pays
-as long as the model does not expect it to cost as much fitness.
+Efficiency is fitness over volume, and the volume of any body is known without measuring it. So
+only log fitness is modelled, and the exact log volume is subtracted: the step sees that a thinner
+leg pays as long as the model does not expect it to cost as much fitness.
 """
 
 from __future__ import annotations
@@ -52,9 +52,7 @@ class Refiner:
         self._space = UnitSpace(task)
         self._prior = Prior(task)
 
-    def improve(
-        self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
-    ) -> Morphology:
+    def improve(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Morphology:
         """Return a valid body near `best`'s, unlike all in `history`.
 
         Raises:
@@ -153,7 +151,7 @@ class Refiner:
         return bool(self._space.valid(np.array([parameters], dtype=float))[0])
 
     def _trust(self, best: Evaluation, history: Sequence[Evaluation]) -> float:
-        """Return the region's half-width: smaller after each step from `best` that brought nothing."""
+        """Return the region's half-width: smaller after each step from `best` in vain."""
         reward = best.design.reward.source
         keys = [e.key for e in history]
         since = history[keys.index(best.key) + 1 :] if best.key in keys else ()

@@ -1,4 +1,4 @@
-"""How bodies stand at rest, read off a task's MJCF template for many bodies at once.
+"""Rest poses of many bodies at once, read off a task's MJCF template.
 
 No simulator: the template says where each limb begins and ends, and that is enough to see whether
 a body stands over its feet, stands level, or lies on its belly.
@@ -10,11 +10,12 @@ import ast
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from robomore.designers.pose import Pose
 
 Array = NDArray[np.float64]
 
@@ -32,105 +33,6 @@ _BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Pow: np.power,
 }
 _TOKEN = re.compile(r"\{([^{}]+)\}|(\S+)")
-
-
-@dataclass(frozen=True, slots=True)
-class Pose:
-    """Limbs of n bodies at rest, p limbs each, lengths in m.
-
-    Attributes:
-        ends: (n, p, 2, 3) both ends of each limb in the world; the same point twice for a ball.
-        radii: (n, p).
-        roots: (n, l, 3) where each leg leaves the torso.
-        legs: the limbs of each leg from the torso outwards, as indices into p.
-        axes: (h, 3) axis of each hinge.
-        swung: the limb that each hinge swings, as an index into p.
-    """
-
-    ends: Array
-    radii: Array
-    roots: Array
-    legs: tuple[tuple[int, ...], ...]
-    axes: Array
-    swung: tuple[int, ...]
-
-    @property
-    def lengths(self) -> Array:
-        """Length of each limb without its rounded ends, (n, p)."""
-        return np.linalg.norm(self.ends[:, :, 0] - self.ends[:, :, 1], axis=-1)
-
-    @property
-    def centre(self) -> Array:
-        """Centre of volume, (n, 3)."""
-        volume = np.pi * self.radii**2 * (self.lengths + 4 / 3 * self.radii)
-        middles = self.ends.mean(axis=2)
-        return (volume[..., None] * middles).sum(1) / volume.sum(1)[:, None]
-
-    @property
-    def reach(self) -> Array:
-        """Largest extent along any axis, (n,)."""
-        low, high = self.ends.min(axis=(1, 2)), self.ends.max(axis=(1, 2))
-        return (high - low).max(axis=1)
-
-    @property
-    def height(self) -> Array:
-        """From the lowest to the highest limb end, (n,)."""
-        heights = self.ends[..., 2].reshape(len(self.radii), -1)
-        return heights.max(axis=1) - heights.min(axis=1)
-
-    @property
-    def overhang(self) -> Array:
-        """How far the centre lies outside the feet fore and aft, as a share of the height, (n,).
-
-        Feet are the limb ends within a tenth of the height of the ground. A flat body has none of
-        this: all of it is feet.
-        """
-        x, z = (self.ends[..., axis].reshape(len(self.radii), -1) for axis in (0, 2))
-        lowest = z.min(axis=1, keepdims=True)
-        feet = z <= lowest + 0.1 * self.height[:, None] + 1e-9
-        back = np.where(feet, x, np.inf).min(axis=1)
-        front = np.where(feet, x, -np.inf).max(axis=1)
-        centre = self.centre[:, 0]
-        outside = np.maximum(np.maximum(back - centre, centre - front), 0)
-        return outside / np.maximum(self.height, 1e-6)
-
-    @property
-    def folding(self) -> Array:
-        """How much longer a leg is along its limbs than from torso to tip, mean over legs, (n,);
-        1 is a straight leg."""
-        if not self.legs:
-            return np.ones(len(self.radii))
-        ratios = []
-        for index, leg in enumerate(self.legs):
-            spans = np.linalg.norm(self.ends[:, leg[-1]] - self.roots[:, index, None], axis=-1)
-            along = self.lengths[:, leg].sum(axis=1)
-            ratios.append(along / np.maximum(spans.max(axis=1), 1e-6))
-        return np.mean(ratios, axis=0)
-
-    @property
-    def leverage(self) -> Array:
-        """Sine of the angle between a hinge and the limb it swings, geometric mean, (n,);
-        a limb along its hinge only spins in place."""
-        if not self.swung:
-            return np.ones(len(self.radii))
-        limbs = self.ends[:, self.swung, 1] - self.ends[:, self.swung, 0]
-        across = np.linalg.norm(np.cross(limbs, self.axes), axis=-1)
-        size = np.linalg.norm(limbs, axis=-1) * np.linalg.norm(self.axes, axis=-1)
-        sines = across / np.maximum(size, 1e-9)
-        means: Array = np.exp(np.log(np.maximum(sines, 1e-3)).mean(axis=1))
-        return means
-
-    @property
-    def tilt(self) -> Array:
-        """Height difference between the lowest ends before and behind the centre, as a share of
-        the height, (n,)."""
-        x, z = (self.ends[..., axis].reshape(len(self.radii), -1) for axis in (0, 2))
-        ahead = x >= self.centre[:, :1]
-        front = np.where(ahead, z, np.inf).min(axis=1)
-        back = np.where(~ahead, z, np.inf).min(axis=1)
-        both = ahead.any(axis=1) & (~ahead).any(axis=1)
-        difference = np.abs(np.where(both, front, 0) - np.where(both, back, 0))
-        return difference / np.maximum(self.height, 1e-6)
 
 
 class Skeleton:
@@ -167,9 +69,7 @@ class Skeleton:
         def stacked(trees: list[ast.expr]) -> Array:
             return np.stack([np.broadcast_to(_value(t, values), (count,)) for t in trees], axis=-1)
 
-        ends = [
-            np.stack([stacked(start), stacked(end)], axis=1) for start, end, _ in self._limbs
-        ]
+        ends = [np.stack([stacked(start), stacked(end)], axis=1) for start, end, _ in self._limbs]
         roots = [stacked(root) for root in self._roots]
         return Pose(
             ends=np.stack(ends, axis=1),

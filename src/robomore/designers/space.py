@@ -65,5 +65,5 @@ class UnitSpace:
 def distances(points: Array, others: Array) -> Array:
     """Return Euclidean distances (n, m) between `points` (n, size) and `others` (m, size)."""
     square = (points**2).sum(1)[:, None] + (others**2).sum(1)[None, :] - 2 * points @ others.T
-    return np.sqrt(np.maximum(square, 0))
-
+    root: Array = np.sqrt(np.maximum(square, 0))
+    return root

@@ -21,8 +21,8 @@ NOISE_SHARES = (0.02, 0.1, 0.3, 0.6)
 class GaussianProcess:
     """Matérn-5/2 kernel, one length scale, constant mean; the likeliest of a few settings.
 
-    One length scale, not one per parameter: a search measures tens of bodies with up to 24 parameters,
-    too few to tell the parameters' importances apart.
+    One length scale, not one per parameter: a search measures tens of bodies with up to 24
+    parameters, too few to tell the parameters' importances apart.
 
     Args:
         points: (n, size) in the unit cube.

@@ -1,0 +1,187 @@
+"""What a reward can read on a robot: which numbers of the simulation mean what.
+
+Read off the task's MJCF template (its joints and motors, in MuJoCo's order), so that a robot of a
+third party gets the terms that fit it as well.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from robomore.tasks.task import Task
+
+_SIZES = {"free": (7, 6), "ball": (4, 3), "slide": (1, 1), "hinge": (1, 1)}
+"""Numbers that a joint adds to qpos and to qvel."""
+
+
+@dataclass(frozen=True, slots=True)
+class Anatomy:
+    """Names of measurable things -> Python expressions inside `_get_rew`.
+
+    Attributes:
+        expressions: what this robot has. `height` and `rest` of the torso, `lift` (vertical speed),
+            `up` (1 when upright), `tip` (forward pitch rate), `roll_free` (may roll over), `spin`
+            (squared turning rate), `sideways` (speed off the course), `offset` (distance off the
+            course), `heading` (1 when facing along the course), `contacts` (forces), `rates` of
+            the driven joints in the motors' order, `angles` likewise, `legs1`, `legs2`, `legs4` or
+            `chain` with the joints whose rhythm makes a gait, `falls` (an episode ends when the
+            robot is unhealthy). An empty expression says that something is so.
+        jumps: the task asks for height, not for distance.
+    """
+
+    expressions: Mapping[str, str]
+    jumps: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Joint:
+    name: str
+    kind: str
+    axis: str
+    position: int
+    velocity: int
+
+
+def anatomy(task: Task) -> Anatomy:
+    """Return what a reward can read on the robot of `task`."""
+    world = ET.fromstring(task.template).find("worldbody")
+    torso = None if world is None else world.find("body")
+    if torso is None:
+        return Anatomy({}, task.fitness == "height")
+    joints = _numbered(torso)
+    own = [joint for joint in joints if joint.name in _names(torso.findall("joint"))]
+    found = _of_root(own)
+    driven = _driven(task, joints)
+    if driven:
+        found["rates"] = _indexed("self.data.qvel", [joint.velocity for joint in driven])
+        found["angles"] = _indexed("self.data.qpos", [joint.position for joint in driven])
+    moved = {joint.name for joint in driven}
+    legs = [
+        [joint for joint in joints if joint.name in _names(_joints(child)) & moved]
+        for child in torso.findall("body")
+    ]
+    found |= _of_legs([leg for leg in legs if leg], found)
+    if task.terrain is not None:
+        # The ground rises and falls under the robot: its height says nothing.
+        found = {name: text for name, text in found.items() if name not in ("height", "rest")}
+    options = task.options(dict(zip(task.names, task.human, strict=True)))
+    if any(name.startswith("healthy_") for name in options):
+        found["falls"] = "self.is_healthy"
+    elif "tip" in found:
+        found["roll_free"] = ""
+    return Anatomy(found, task.fitness == "height")
+
+
+def _of_root(joints: Sequence[_Joint]) -> dict[str, str]:
+    """Return what the torso's own joints tell of it."""
+    kinds = [joint.kind for joint in joints]
+    if kinds == ["free"]:
+        return {
+            "height": "self.data.qpos[2]",
+            "rest": "self.init_qpos[2]",
+            "lift": "self.data.qvel[2]",
+            # Rotation matrix of the torso's quaternion (w, x, y, z) at qpos[3:7].
+            "up": "1 - 2 * (self.data.qpos[4] ** 2 + self.data.qpos[5] ** 2)",
+            "heading": "1 - 2 * (self.data.qpos[5] ** 2 + self.data.qpos[6] ** 2)",
+            "spin": "np.sum(np.square(self.data.qvel[3:6]))",
+            "tip": "self.data.qvel[4]",
+            "roll_free": "",
+            "sideways": "self.data.qvel[1]",
+            "offset": "self.data.qpos[1]",
+            "contacts": "self.data.cfrc_ext",
+        }
+    if kinds != ["slide", "slide", "hinge"]:
+        return {}
+    _, across, turn = joints
+    if across.axis == "0 0 1":
+        return {
+            "height": f"self.data.qpos[{across.position}]",
+            "rest": f"self.init_qpos[{across.position}]",
+            "lift": f"self.data.qvel[{across.velocity}]",
+            "up": f"np.cos(self.data.qpos[{turn.position}])",
+            "spin": f"self.data.qvel[{turn.velocity}] ** 2",
+            "tip": f"self.data.qvel[{turn.velocity}]",
+        }
+    return {
+        "sideways": f"self.data.qvel[{across.velocity}]",
+        "offset": f"self.data.qpos[{across.position}]",
+        "heading": f"np.cos(self.data.qpos[{turn.position}])",
+        "spin": f"self.data.qvel[{turn.velocity}] ** 2",
+    }
+
+
+def _of_legs(legs: Sequence[Sequence[_Joint]], found: Mapping[str, str]) -> dict[str, str]:
+    """Return the joints whose rhythm makes a gait."""
+
+    def rate(joint: _Joint) -> str:
+        return f"self.data.qvel[{joint.velocity}]"
+
+    def angle(joint: _Joint) -> str:
+        return f"self.data.qpos[{joint.position}]"
+
+    if len(legs) == 2 and "lift" in found:
+        (one, *_), (other, *_) = legs
+        return {
+            "legs2": "",
+            "hip_rate": rate(one),
+            "other_hip_rate": rate(other),
+            "hip_angle": angle(one),
+            "other_hip_angle": angle(other),
+        }
+    if len(legs) == 4 and "roll_free" in found:
+        # Counted around the body: the first and third leg are a diagonal, and so are the others.
+        # Seen from above, a left leg swings forward clockwise and a right leg counter-clockwise.
+        return {"legs4": "", **{f"hip{i}": rate(leg[0]) for i, leg in enumerate(legs, 1)}}
+    if len(legs) == 1 and "lift" in found and len(legs[0]) >= 2:
+        return {"legs1": "", "knee_rate": rate(legs[0][1]), "knee_angle": angle(legs[0][1])}
+    if len(legs) == 1 and len(legs[0]) >= 2:
+        first, second, *_ = legs[0]
+        return {
+            "chain": "",
+            "bend": angle(first),
+            "next_bend": angle(second),
+            "bend_rate": rate(first),
+            "next_bend_rate": rate(second),
+        }
+    return {}
+
+
+def _numbered(torso: ET.Element) -> list[_Joint]:
+    """Return all joints in MuJoCo's order (a body's own before its children's)."""
+    joints: list[_Joint] = []
+    for joint in _joints(torso):
+        kind = joint.get("type", "hinge")
+        last = joints[-1] if joints else None
+        position = last.position + _SIZES[last.kind][0] if last else 0
+        velocity = last.velocity + _SIZES[last.kind][1] if last else 0
+        joints.append(
+            _Joint(joint.get("name", ""), kind, joint.get("axis", "0 0 1"), position, velocity)
+        )
+    return joints
+
+
+def _joints(body: ET.Element) -> Iterator[ET.Element]:
+    yield from body.findall("joint")
+    for child in body.findall("body"):
+        yield from _joints(child)
+
+
+def _driven(task: Task, joints: Sequence[_Joint]) -> list[_Joint]:
+    """Return the joint of each motor, in the motors' order: that of the action."""
+    by_name = {joint.name: joint for joint in joints}
+    motors = ET.fromstring(task.template).findall("actuator/*")
+    found = [by_name[name] for motor in motors if (name := motor.get("joint", "")) in by_name]
+    return found if len(found) == len(motors) else []
+
+
+def _names(joints: Iterable[ET.Element]) -> set[str]:
+    return {joint.get("name", "") for joint in joints}
+
+
+def _indexed(array: str, indices: Sequence[int]) -> str:
+    """Return `array[3:9]` where the indices run on, and `array[[12, 13, 6]]` where they do not."""
+    if list(indices) == list(range(indices[0], indices[0] + len(indices))):
+        return f"{array}[{indices[0]}:{indices[0] + len(indices)}]"
+    return f"{array}[{list(indices)}]"
