@@ -4,8 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
+from robomore.settings import RunSettings
 from robomore.types import Evaluation, Place, Slot
+
+
+@dataclass(frozen=True, slots=True)
+class RunBegan:
+    """A run's folder is ready and nothing has been asked for yet.
+
+    Attributes:
+        task: id of the task.
+        preset: name of the settings.
+        settings: what the preset stands for.
+        designer: name of the designer.
+        provenance: one plain sentence on what makes the proposals.
+        seed: of the run.
+        workers: evaluations that may go on side by side.
+        folder: where everything is written.
+    """
+
+    task: str
+    preset: str
+    settings: RunSettings
+    designer: str
+    provenance: str
+    seed: int
+    workers: int
+    folder: Path
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +78,7 @@ class Finished:
     known: bool
 
 
-Event = Proposed | BatchBegan | Started | Progressed | Finished
+Event = RunBegan | Proposed | BatchBegan | Started | Progressed | Finished
 Observer = Callable[[Event], None]
 
 

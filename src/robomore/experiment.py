@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from functools import partial
@@ -16,9 +16,10 @@ from robomore.errors import Interrupted
 from robomore.evaluation.evaluate import evaluate as evaluate_request
 from robomore.evaluation.evaluator import Evaluator
 from robomore.evaluation.request import Request
-from robomore.events import Observer, ignore
+from robomore.events import Observer, RunBegan, ignore
 from robomore.executors import Processes
 from robomore.identity import job_key
+from robomore.report import write_report
 from robomore.search import final, robomore
 from robomore.settings import RunSettings, preset
 from robomore.store import Ledger, Manifest, RunFolder, package_versions
@@ -51,6 +52,7 @@ def run(
     out: str | Path | None = None,
     containment: str = "strict",
     observe: Observer = ignore,
+    name: str = "",
 ) -> RunResult:
     """Search for the best body and reward for a task; the same call again finishes what is missing.
 
@@ -63,6 +65,7 @@ def run(
         out: the run's folder; by default `runs/TASK-PRESET-DESIGNER-sSEED`.
         containment: `strict` refuses to run rewards without the operating system's layers.
         observe: told what goes on.
+        name: of the settings in the manifest; by default the preset's, or `custom`.
 
     Raises:
         InputError: something asked for cannot be done; nothing was started.
@@ -70,7 +73,8 @@ def run(
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
     task = get_task(task) if isinstance(task, str) else task
-    name = settings if isinstance(settings, str) else "custom"
+    name = name or (settings if isinstance(settings, str) else "custom")
+    workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     objective = settings.search.objective
     proposing = make_designer(designer, task, seed, objective)
@@ -81,7 +85,10 @@ def run(
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
         ledger = stack.enter_context(closing(Ledger(folder.ledger)))
-        executor = stack.enter_context(closing(Processes(workers or available_cores())))
+        observe(
+            RunBegan(task.id, name, settings, designer, proposing.provenance, seed, workers, out)
+        )
+        executor = stack.enter_context(closing(Processes(workers)))
         evaluator = Evaluator(
             task.id,
             settings.trainer,
@@ -116,6 +123,7 @@ def run(
             ) from None
         save_champion(folder, task, outcome.champion, objective)
         ledger.add_event("finished", champion=[evaluation.key for evaluation in outcome.champion])
+        write_report(out)
     return RunResult(out, outcome.champion, outcome.human)
 
 
@@ -129,7 +137,7 @@ def evaluate(
     artifact: Path | None = None,
     checkpoint: Path | None = None,
     containment: str = "strict",
-    observe_steps: Observer | None = None,
+    progress: Callable[[int], None] = lambda steps: None,
 ) -> Evaluation:
     """Train one design and measure it.
 
@@ -143,6 +151,7 @@ def evaluate(
         artifact: folder to leave the policy in.
         checkpoint: folder to continue training from, and to leave a checkpoint in.
         containment: `strict` refuses to run rewards without the operating system's layers.
+        progress: told the control steps of training done.
 
     Raises:
         InvalidMorphology: the parameters are refused.
@@ -168,7 +177,7 @@ def evaluate(
             checkpoint=str(checkpoint or ""),
             containment=containment,
         )
-        return evaluate_request(request, lambda steps: None)
+        return evaluate_request(request, progress)
 
 
 def available_cores() -> int:

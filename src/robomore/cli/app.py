@@ -1,0 +1,112 @@
+"""The list of commands, and how every error ends: one line, an exit status, no traceback."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
+
+from cyclopts import App, CycloptsError
+
+from robomore import __version__
+from robomore.errors import InputError, Interrupted, RoboMoReError
+
+COMMANDS = {
+    "tasks": ("robomore.cli.tasks:tasks", "List the tasks."),
+    "inspect": ("robomore.cli.tasks:inspect", "Show one body: volume, mass, MJCF, a picture."),
+    "run": ("robomore.cli.run:run", "Search for the best body and reward for a task."),
+    "show": ("robomore.cli.show:show", "Show a run: champion, human design, the way there."),
+    "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
+    "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
+    "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
+}
+"""Name -> (`module:function`, one line of help), in the order in which they are shown."""
+
+DONE, FAILED, MISUSED, INTERRUPTED = 0, 1, 2, 130
+"""Exit statuses: all well; the work failed; nothing was started; stopped by the user."""
+
+
+def application() -> App:
+    """Return the application with all commands; their modules are not loaded yet."""
+    app = App(
+        name="robomore",
+        help="Co-design of robot bodies and rewards: proposed, trained in MuJoCo, refined.\n\n"
+        "`--debug` with any command shows where an error came from.",
+        version=__version__,
+    )
+    for position, (name, (target, help_line)) in enumerate(COMMANDS.items()):
+        app.command(target, name=name, help=help_line, sort_key=position)
+    return app
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns its exit status.
+
+    Args:
+        arguments: of the command line; those of this process by default.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    debug = "--debug" in given
+    given = [argument for argument in given if argument != "--debug"]
+    try:
+        with _sigterm_as_ctrl_c():
+            status = application()(
+                given, exit_on_error=False, print_error=False, result_action="return_value"
+            )
+        return status if isinstance(status, int) else DONE
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # no traceback for users
+        if debug:
+            traceback.print_exc()
+        message, status = _ending(error, given)
+        if message:
+            sys.stderr.write(f"robomore: {message}\n")
+        return status
+
+
+def _ending(error: BaseException, given: Sequence[str]) -> tuple[str, int]:
+    """Return the one line that an error is told in, and the exit status."""
+    match error:
+        case CycloptsError():
+            command = f"{given[0]} " if given and given[0] in COMMANDS else ""
+            return f"{_one_line(error)} See `robomore {command}--help`.", MISUSED
+        case InputError():
+            return _one_line(error), MISUSED
+        case Interrupted():
+            return _one_line(error), INTERRUPTED
+        case KeyboardInterrupt():
+            return "stopped", INTERRUPTED
+        case BrokenPipeError():
+            # Whoever read the output (`head`) has had enough of it.
+            return "", FAILED
+        case RoboMoReError() | OSError():
+            return _one_line(error), FAILED
+    return (
+        f"a fault of RoboMoRe itself: {type(error).__name__}: {_one_line(error)}; "
+        "run it again with --debug to see where",
+        FAILED,
+    )
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split())
+
+
+@contextmanager
+def _sigterm_as_ctrl_c() -> Iterator[None]:
+    """Let SIGTERM end a command as Ctrl-C does: cleanly, and saying how to go on."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    try:
+        before = signal.signal(signal.SIGTERM, interrupt)
+    except ValueError:  # Not in the main thread, where signals do not arrive anyway.
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -1,0 +1,130 @@
+"""`robomore evaluate`: one design, trained and measured."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import msgspec
+from cyclopts import Parameter
+
+from robomore.cli.inputs import new_folder, positive, read_parameters, read_reward
+from robomore.cli.output import console, write_json
+
+if TYPE_CHECKING:
+    from robomore.types import Evaluation
+
+
+def evaluate(
+    task: str,
+    /,
+    *,
+    parameters: str = "human",
+    reward: str = "reference",
+    preset: str = "quick",
+    steps: int | None = None,
+    seed: int = 0,
+    out: Path | None = None,
+    containment: Literal["strict", "relaxed"] = "strict",
+    as_json: Annotated[bool, Parameter("--json", negative="")] = False,
+) -> int:
+    """Train and measure one design. Exits with status 1 if it could not be trained.
+
+    Parameters
+    ----------
+    task
+        Id of a task (`robomore tasks` lists them).
+    parameters
+        `human`, or a JSON file: a list in the task's order, or an object by name.
+    reward
+        `reference`, or a Python file that defines `_get_rew(self, x_velocity, action)`.
+    preset
+        Whose trainer and budget are used: `smoke`, `quick`, `standard` or `paper`.
+    steps
+        Control steps of training, instead of the preset's.
+    seed
+        Of training and measuring.
+    out
+        Keep design and policy in this folder, for `robomore play`.
+    containment
+        `relaxed` trains without the operating system's protection where a machine lacks it.
+    as_json
+        Print the evaluation as JSON.
+    """
+    from robomore.settings import preset as settings_of
+    from robomore.tasks import get_task
+
+    positive(steps=steps)
+    settings = settings_of(preset)
+    chosen = get_task(task)
+    values = read_parameters(chosen, parameters)
+    source = read_reward(chosen, reward)
+    if out is not None:
+        new_folder(out)
+
+    from robomore.experiment import evaluate as measure
+
+    with _progress(steps or settings.candidate.steps) as progress:
+        evaluation = measure(
+            chosen,
+            values,
+            source,
+            settings,
+            steps=steps,
+            seed=seed,
+            artifact=out,
+            containment=containment,
+            progress=progress,
+        )
+    if out is not None and evaluation.ok:
+        from robomore.store.champion import write_design
+
+        write_design(out, chosen, [evaluation])
+    if as_json:
+        write_json(msgspec.to_builtins(evaluation))
+    else:
+        _print(evaluation)
+    return 0 if evaluation.ok else 1
+
+
+@contextmanager
+def _progress(steps: int) -> Iterator[Callable[[int], None]]:
+    """Show how far training is, in a terminal alone."""
+    screen = console(stderr=True)
+    if not screen.is_terminal:
+        yield lambda done: None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=screen, transient=True) as bars:
+        bar = bars.add_task("training", total=steps)
+        yield lambda done: bars.update(bar, completed=done)
+
+
+def _print(evaluation: Evaluation) -> None:
+    from robomore.report.words import EFFICIENCY_UNIT, duration, number
+
+    lines = [f"status      {evaluation.status}"]
+    if evaluation.ok:
+        episodes = evaluation.episode_fitness
+        lines += [
+            f"efficiency  {number(evaluation.efficiency)} {EFFICIENCY_UNIT}",
+            f"fitness     {number(evaluation.fitness)} m (mean of {len(episodes)} episodes, "
+            f"{number(min(episodes))} to {number(max(episodes))})",
+            f"volume      {number(evaluation.volume)} m³",
+        ]
+        lines += [f"{name:10}  {number(value)}" for name, value in evaluation.behaviour.items()]
+        lines += [
+            f"term {name}: mean {number(term.mean)}, from {number(term.low)} to {number(term.high)}"
+            for name, term in evaluation.terms.items()
+        ]
+    else:
+        lines.append(f"diagnosis   {evaluation.diagnosis}")
+    lines.append(
+        f"cost        {evaluation.steps:,} steps, {duration(evaluation.seconds)} of a core"
+    )
+    lines += [f"note        {note}" for note in evaluation.notes]
+    sys.stdout.write("\n".join(lines) + "\n")

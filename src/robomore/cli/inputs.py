@@ -1,0 +1,114 @@
+"""What users hand over in files: parameters as JSON, rewards as Python text."""
+
+from __future__ import annotations
+
+import ast
+import json
+from pathlib import Path
+
+from robomore.errors import InputError, InvalidReward
+from robomore.tasks import Task
+
+HUMAN = "human"
+REFERENCE = "reference"
+
+
+def read_parameters(task: Task, given: str) -> tuple[float, ...]:
+    """Return checked parameters in the task's order.
+
+    Args:
+        task: that they are for.
+        given: `human`, or the name of a JSON file: a list in the task's order, an object by name,
+            or a champion's `design.json`.
+
+    Raises:
+        InputError: the file cannot be read or used.
+        InvalidMorphology: the task refuses the parameters.
+    """
+    if given == HUMAN:
+        return task.human
+    text = read_text(Path(given), f"name a JSON file, or `{HUMAN}` for the official robot")
+    try:
+        found = json.loads(text)
+    except ValueError as error:
+        raise InputError(
+            f"{given} is not JSON ({error}); write a list in the task's order or an object by name"
+        ) from None
+    if isinstance(found, dict) and isinstance(found.get("parameters"), dict | list):
+        found = found["parameters"]
+    if not isinstance(found, dict | list):
+        raise InputError(
+            f"{given} holds a {type(found).__name__}; write a list of {len(task.parameters)} "
+            f"numbers or an object with {', '.join(task.names)}"
+        )
+    values = found.values() if isinstance(found, dict) else found
+    for value in values:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"{given}: {json.dumps(value)} is not a number")
+    return task.check(found)
+
+
+def read_reward(task: Task, given: str) -> str:
+    """Return the text of a reward that parses; whatever else is wrong with it, training will say.
+
+    Args:
+        task: whose reference reward is meant by `reference`.
+        given: `reference`, or the name of a Python file.
+
+    Raises:
+        InputError: the file cannot be read.
+        InvalidReward: it does not parse.
+    """
+    if given == REFERENCE:
+        return task.reward
+    source = read_text(Path(given), f"name a Python file, or `{REFERENCE}` for the official reward")
+    try:
+        ast.parse(source)
+    except SyntaxError as error:
+        raise InvalidReward(
+            f"{given}, line {error.lineno}: does not parse: {error.msg}; correct the file"
+        ) from None
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise InvalidReward(f"{given} does not parse: {error}; correct the file") from None
+    return source
+
+
+def read_text(path: Path, remedy: str) -> str:
+    """Return the text of a file.
+
+    Raises:
+        InputError: there is none, or it is not text.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path} cannot be read ({error.strerror}); {remedy}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is not a text file; {remedy}") from None
+
+
+def positive(**numbers: int | None) -> None:
+    """Refuse numbers below 1; `None` stands for an option that was not given.
+
+    Raises:
+        InputError: naming the option.
+    """
+    for name, value in numbers.items():
+        if value is not None and value < 1:
+            raise InputError(f"--{name.replace('_', '-')} is {value}; give a number from 1 up")
+
+
+def new_folder(path: Path) -> None:
+    """Make a folder, or accept an empty one: nothing of the user's is ever overwritten.
+
+    Raises:
+        InputError: it holds something, or cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        if any(path.iterdir()):
+            raise InputError(f"{path} is not empty; name a new folder with --out")
+    except OSError as error:
+        raise InputError(
+            f"cannot write to {path} ({error.strerror}); name another folder with --out"
+        ) from None

@@ -1,0 +1,122 @@
+"""`robomore run`: the search, watched as it goes on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from robomore.cli.inputs import positive
+from robomore.cli.output import write_json
+
+
+def run(
+    task: str,
+    /,
+    *,
+    preset: str = "quick",
+    designer: str = "offline",
+    seed: int = 0,
+    workers: int | None = None,
+    out: Path | None = None,
+    objective: Literal["efficiency", "fitness"] | None = None,
+    morphologies: int | None = None,
+    rewards: int | None = None,
+    cycles: int | None = None,
+    finalists: int | None = None,
+    repeats: int | None = None,
+    steps: int | None = None,
+    final_steps: int | None = None,
+    containment: Literal["strict", "relaxed"] = "strict",
+    quiet: Annotated[bool, Parameter(negative="")] = False,
+    as_json: Annotated[bool, Parameter("--json", negative="")] = False,
+) -> None:
+    """Search for the best body and reward for a task.
+
+    The same command again finishes a run that was interrupted.
+
+    Parameters
+    ----------
+    task
+        Id of a task (`robomore tasks` lists them).
+    preset
+        `smoke` (under a minute), `quick` (about five), `standard` or `paper`.
+    designer
+        Who proposes: `offline` (no LLM, the default) or `human`.
+    seed
+        Same seed, same result, whatever the number of workers.
+    workers
+        Evaluations side by side; one a core by default.
+    out
+        The run's folder; by default below `runs/`, named after all that was asked for.
+    objective
+        What the search compares: `efficiency` (fitness / volume, as in the paper) or `fitness`.
+    morphologies
+        Rows of the coarse grid.
+    rewards
+        Columns of the coarse grid.
+    cycles
+        Most cycles of the fine stage.
+    finalists
+        Designs that are retrained for the final comparison.
+    repeats
+        Training seeds in the final comparison.
+    steps
+        Control steps of training for each candidate.
+    final_steps
+        Control steps of each training in the final; by default in proportion to `--steps`.
+    containment
+        `relaxed` trains without the operating system's protection where a machine lacks it.
+    quiet
+        Show nothing while the run goes on.
+    as_json
+        Print the outcome as JSON, as `robomore show --json` does.
+    """
+    from robomore.report.command import overridden, settings_name
+    from robomore.settings import preset as settings_of
+    from robomore.tasks import get_task
+
+    sizes: dict[str, int | None] = {
+        "morphologies": morphologies,
+        "rewards": rewards,
+        "cycles": cycles,
+        "finalists": finalists,
+        "repeats": repeats,
+        "steps": steps,
+        "final-steps": final_steps,
+    }
+    positive(workers=workers, **sizes)
+    options: dict[str, Any] = {name: size for name, size in sizes.items() if size is not None}
+    if objective is not None:
+        options["objective"] = objective
+    settings = overridden(settings_of(preset), options)
+    name = settings_name(preset, options)
+    chosen = get_task(task)
+    folder = out or Path("runs") / f"{task}-{name}-{designer}-s{seed}"
+
+    from robomore.cli.live import watched
+    from robomore.experiment import run as start
+
+    with watched(quiet) as observe:
+        start(
+            chosen,
+            settings,
+            designer=designer,
+            seed=seed,
+            workers=workers,
+            out=folder,
+            containment=containment,
+            observe=observe,
+            name=name,
+        )
+
+    from robomore.cli.show import print_outcome
+    from robomore.report.contract import as_data
+    from robomore.report.summary import summarise
+
+    summary = summarise(folder)
+    if as_json:
+        write_json(as_data(summary))
+    else:
+        print_outcome(summary)

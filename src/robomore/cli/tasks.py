@@ -1,0 +1,180 @@
+"""`robomore tasks` and `robomore inspect`: what there is to do, and one body, untrained."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from robomore.cli.inputs import read_parameters
+from robomore.cli.output import write_json
+
+if TYPE_CHECKING:
+    from robomore.tasks import Task
+
+_COLUMNS = 72
+"""Width of the picture in the terminal, in characters."""
+
+
+def tasks(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False) -> None:
+    """List the tasks.
+
+    Parameters
+    ----------
+    as_json
+        Print JSON: parameters with bounds, units and meaning, rules, volumes.
+    """
+    from robomore.tasks import all_tasks
+
+    found = all_tasks().values()
+    if as_json:
+        write_json([_as_data(task) for task in found])
+        return
+    lines = [f"{'task':14} {'parameters':>10}  {'human volume':>13}  to do"]
+    for task in found:
+        goal = "run far" if task.fitness == "distance" else "jump high"
+        lines.append(
+            f"{task.id:14} {len(task.parameters):10}  {task.volume(task.human):10.6f} m³  {goal}"
+        )
+    lines.append("")
+    lines.append("`robomore inspect TASK` shows a robot, `robomore run TASK` improves it.")
+    sys.stdout.write("\n".join(lines) + "\n")
+
+
+def inspect(
+    task: str,
+    /,
+    *,
+    parameters: str = "human",
+    mjcf: Literal["filled", "masked"] | None = None,
+    picture: Path | None = None,
+    as_json: Annotated[bool, Parameter("--json", negative="")] = False,
+) -> None:
+    """Show one body: volume, mass, implied density, rest height, a picture.
+
+    Parameters
+    ----------
+    task
+        Id of a task (`robomore tasks` lists them).
+    parameters
+        `human`, or a JSON file: a list in the task's order, or an object by name.
+    mjcf
+        Print the robot's MJCF text and nothing else: `filled` with these parameters, or `masked`
+        as a designer sees it.
+    picture
+        Draw the body into this file (.svg or .png).
+    as_json
+        Print JSON, the two MJCF texts in it.
+    """
+    from robomore.tasks import get_task
+
+    chosen = get_task(task)
+    values = read_parameters(chosen, parameters)
+    if mjcf is not None:
+        text = chosen.masked_mjcf if mjcf == "masked" else chosen.mjcf(values)
+        sys.stdout.write(text.rstrip() + "\n")
+        return
+
+    from robomore.tasks.compile import body_facts
+    from robomore.tasks.drawing import draw
+    from robomore.tasks.pictures import save_picture
+
+    facts = body_facts(chosen, values)
+    if picture is not None:
+        save_picture(draw(chosen, values), picture, chosen.title)
+    if as_json:
+        write_json(
+            {
+                "task": chosen.id,
+                "parameters": chosen.named(values),
+                **facts,
+                "picture": str(picture) if picture else None,
+                "mjcf": chosen.mjcf(values),
+                "masked_mjcf": chosen.masked_mjcf,
+            }
+        )
+        return
+    _print_body(chosen, values, facts)
+    if picture is not None:
+        sys.stdout.write(f"picture: {picture}\n")
+
+
+def _as_data(task: Task) -> dict[str, Any]:
+    return {
+        "id": task.id,
+        "version": task.version,
+        "title": task.title,
+        "description": task.description,
+        "fitness": task.fitness,
+        "volume": task.volume(task.human),
+        "parameters": [
+            {
+                "name": parameter.name,
+                "low": parameter.low,
+                "high": parameter.high,
+                "human": parameter.human,
+                "unit": parameter.unit,
+                "scale": parameter.scale,
+                "meaning": parameter.meaning,
+            }
+            for parameter in task.parameters
+        ],
+        "rules": [rule.text for rule in task.rules],
+        "reward": task.reward,
+    }
+
+
+def _print_body(task: Task, values: tuple[float, ...], facts: dict[str, float]) -> None:
+    from rich.table import Table
+
+    from robomore.cli.output import console
+    from robomore.report.words import number
+
+    screen = console()
+    screen.print(f"[bold]{task.title}[/]  {task.description}\n")
+    if screen.is_terminal:
+        _print_picture(task, values)
+    table = Table(box=None, pad_edge=False)
+    for heading, side in (("parameter", "left"), ("value", "right"), ("human", "right")):
+        table.add_column(heading, justify="right" if side == "right" else "left")
+    table.add_column("bounds")
+    table.add_column("meaning")
+    for parameter, value in zip(task.parameters, values, strict=True):
+        table.add_row(
+            parameter.name,
+            f"{value:g} {parameter.unit}",
+            f"{parameter.human:g}",
+            f"{parameter.low:g} … {parameter.high:g}",
+            parameter.meaning,
+        )
+    screen.print(table)
+    screen.print(
+        f"\nvolume       {facts['volume']:.6f} m³  (human {task.volume(task.human):.6f} m³)\n"
+        f"mass         {number(facts['mass'])} kg\n"
+        f"density      {number(facts['density'])} kg/m³ (mass / volume: what it is made of)\n"
+        f"rest height  {number(facts['rest_height'])} m"
+    )
+
+
+def _print_picture(task: Task, values: tuple[float, ...]) -> None:
+    """Draw the body with half blocks: two pixels in each character."""
+    import numpy as np
+    from rich.color import Color
+    from rich.segment import Segment, Segments
+    from rich.style import Style
+
+    from robomore.cli.output import console
+    from robomore.tasks.drawing import draw
+    from robomore.tasks.pictures import frame_around, image
+
+    scene = draw(task, values)
+    rgb = np.asarray(image(scene, frame_around(scene, _COLUMNS, _COLUMNS // 2), smooth=4))
+    segments = []
+    for upper, lower in zip(rgb[::2].tolist(), rgb[1::2].tolist(), strict=True):
+        for above, below in zip(upper, lower, strict=True):
+            style = Style(color=Color.from_rgb(*above), bgcolor=Color.from_rgb(*below))
+            segments.append(Segment("▀", style))
+        segments.append(Segment.line())
+    console().print(Segments(segments))

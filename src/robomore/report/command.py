@@ -1,0 +1,65 @@
+"""The command that starts a run again, and what single settings are called on the command line."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import replace
+from typing import Any
+
+from robomore.settings import PRESETS, RunSettings
+from robomore.store import Manifest
+
+OVERRIDES = {
+    "objective": ("search", "objective"),
+    "morphologies": ("search", "morphologies"),
+    "rewards": ("search", "rewards"),
+    "cycles": ("search", "max_cycles"),
+    "finalists": ("search", "finalists"),
+    "repeats": ("search", "repeats"),
+    "steps": ("candidate", "steps"),
+    "final-steps": ("final", "steps"),
+}
+"""Option of `robomore run` -> where it stands in the settings."""
+
+
+def overridden(settings: RunSettings, options: dict[str, Any]) -> RunSettings:
+    """Return `settings` with the given options of `OVERRIDES` in place of the preset's.
+
+    Where `steps` is given and `final-steps` is not, the final trainings stay longer than the
+    candidates' by the same factor.
+    """
+    if "steps" in options and "final-steps" not in options:
+        factor = settings.final.steps / settings.candidate.steps
+        options = {**options, "final-steps": round(options["steps"] * factor)}
+    for option, value in options.items():
+        part, name = OVERRIDES[option]
+        settings = replace(settings, **{part: replace(getattr(settings, part), **{name: value})})
+    return settings
+
+
+def settings_name(preset: str, options: dict[str, Any]) -> str:
+    """Return a name for a preset with options, fit for a folder: `quick-steps5000`."""
+    return "-".join([preset, *(f"{option}{value}" for option, value in options.items())])
+
+
+def command_line(manifest: Manifest) -> str | None:
+    """Return the command that gives the same run, or `None` where its settings are nobody's preset.
+
+    Only the folder is left out: by default it is named after all that the command says.
+    """
+    preset = manifest.preset.split("-")[0]
+    if preset not in PRESETS:
+        return None
+    options: dict[str, Any] = {}
+    for option, (part, name) in OVERRIDES.items():
+        wanted = getattr(getattr(manifest.settings, part), name)
+        so_far = overridden(PRESETS[preset](), options)
+        if getattr(getattr(so_far, part), name) != wanted:
+            options[option] = wanted
+    if overridden(PRESETS[preset](), options) != manifest.settings:
+        return None
+    words = ["robomore", "run", manifest.task, "--preset", preset, "--designer", manifest.designer]
+    words += ["--seed", str(manifest.seed)]
+    for option, value in options.items():
+        words += [f"--{option}", str(value)]
+    return shlex.join(words)

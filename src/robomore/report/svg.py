@@ -1,0 +1,119 @@
+"""The few words of SVG that the report's figures are made of.
+
+Colours are CSS classes of the page wherever they stand for text, lines or series, so that figures
+follow its light and dark theme; every text is escaped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+
+def element(name: str, content: str = "", /, **attributes: object) -> str:
+    """Return one element. Attribute names use `_` for `-`; `klass` stands for `class`.
+
+    Args:
+        name: of the element.
+        content: markup inside it, already escaped.
+        attributes: numbers are rounded to what a screen can show.
+    """
+    written = "".join(
+        f' {"class" if key == "klass" else key.replace("_", "-")}="{_value(value)}"'
+        for key, value in attributes.items()
+        if value is not None
+    )
+    return f"<{name}{written}>{content}</{name}>"
+
+
+def text(said: str, x: float, y: float, /, **attributes: object) -> str:
+    """Return a text; `said` is escaped."""
+    return element("text", escape(said), x=x, y=y, **attributes)
+
+
+def hover(said: str) -> str:
+    """Return what a pointer that rests on an element shows; `said` is escaped."""
+    return element("title", escape(said))
+
+
+def figure(width: float, height: float, title: str, parts: Sequence[str]) -> str:
+    """Return a whole picture that scales with the page."""
+    return element(
+        "svg",
+        hover(title) + "".join(parts),
+        viewBox=f"0 0 {width:g} {height:g}",
+        role="img",
+        aria_label=title,
+        klass="figure",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """Numbers along a line of pixels.
+
+    Attributes:
+        low: value at `start`.
+        high: value at `end`.
+        start: in pixels.
+        end: in pixels.
+        log: whether steps are factors.
+    """
+
+    low: float
+    high: float
+    start: float
+    end: float
+    log: bool = False
+
+    def at(self, value: float) -> float:
+        """Return where a value stands, in pixels; values beyond the ends stand at them."""
+        value = min(max(value, self.low), self.high)
+        low, high = self._bent(self.low), self._bent(self.high)
+        share = (self._bent(value) - low) / (high - low)
+        return self.start + share * (self.end - self.start)
+
+    def ticks(self, most: int = 6) -> list[float]:
+        """Return round values within the ends, `most` or a few more of them."""
+        if self.log:
+            found = _log_ticks(self.low, self.high)
+            if len(found) >= 3:
+                return found[:: math.ceil(len(found) / most)]
+        step = _round_step((self.high - self.low) / most)
+        first = math.ceil(self.low / step - 1e-9)
+        last = math.floor(self.high / step + 1e-9)
+        return [index * step for index in range(first, last + 1)]
+
+    def _bent(self, value: float) -> float:
+        return math.log10(value) if self.log else value
+
+
+def axis_around(values: Sequence[float], start: float, end: float, log: bool = False) -> Axis:
+    """Return an axis that holds all values with some air; linear where `log` cannot be."""
+    low, high = min(values), max(values)
+    if log and low > 0:
+        if high < 1.2 * low:
+            low, high = low / 1.2, high * 1.2
+        air = (high / low) ** 0.06
+        return Axis(low / air, high * air, start, end, log=True)
+    if low == high:
+        low, high = low - max(1.0, abs(low)) * 0.1, high + max(1.0, abs(high)) * 0.1
+    air = 0.06 * (high - low)
+    return Axis(low - air, high + air, start, end)
+
+
+def _value(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else escape(str(value), quote=True)
+
+
+def _round_step(least: float) -> float:
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(step * power for step in (1, 2, 5, 10) if step * power >= least * (1 - 1e-9))
+
+
+def _log_ticks(low: float, high: float) -> list[float]:
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    steps = (1,) if high / low > 1e4 else (1, 2, 5)
+    return [s * 10.0**p for p in powers for s in steps if low <= s * 10.0**p <= high]
