@@ -1,0 +1,152 @@
+"""Which part of the history a prompt holds, and what it says about the choice."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from measured import SWIMMER, body, evaluation, grid, reward
+
+from robomore.designers.history import (
+    RULES,
+    Entry,
+    HistorySettings,
+    bodies,
+    choose,
+    rewards,
+    tell,
+)
+from robomore.errors import InputError
+from robomore.llm.tokens import estimate_tokens
+from robomore.types import Status
+
+
+def entry(score: float | None, place: float = 0.0, length: int = 40) -> Entry:
+    return Entry("x" * length, score, (place,))
+
+
+LINE = [entry(float(i), place=i / 10) for i in range(10)]
+COST = estimate_tokens("x" * 40) + 2
+
+
+def chosen(rule: str, count: int, entries: list[Entry] = LINE) -> list[int]:
+    return choose(entries, HistorySettings(count * COST, rule))
+
+
+def test_each_name_of_the_rule_takes_its_turn() -> None:
+    assert chosen("best", 3) == [9, 8, 7]
+    assert chosen("worst", 3) == [0, 1, 2]
+    assert chosen("recent", 2) == [9, 8]
+    assert chosen("best+worst", 4) == [9, 0, 8, 1]
+    # The most different from the best is the worst; then the one in the middle.
+    assert chosen("best+different+different", 3) == [9, 0, 4]
+
+
+def test_failures_have_a_turn_of_their_own() -> None:
+    entries = [entry(1.0), entry(None), entry(2.0), entry(None)]
+    assert chosen("best+failed", 3, entries) == [2, 3, 0]
+    assert chosen("failed", 4, entries) == [3, 1]
+    assert chosen("best", 4, entries) == [2, 0]
+
+
+def test_equal_ones_fall_to_the_oldest() -> None:
+    assert chosen("best", 2, [entry(1.0), entry(1.0), entry(1.0)]) == [0, 1]
+
+
+def test_a_long_entry_costs_only_itself() -> None:
+    entries = [entry(3.0, length=5000), entry(2.0), entry(1.0)]
+    assert chosen("best", 2, entries) == [1, 2]
+
+
+@given(
+    st.lists(
+        st.tuples(st.one_of(st.none(), st.floats(-5, 5)), st.floats(0, 1), st.integers(1, 300)),
+        max_size=12,
+    ),
+    st.integers(0, 400),
+    st.lists(st.sampled_from(list(RULES)), min_size=1, max_size=4),
+)
+def test_the_budget_is_kept_whatever_the_rule(
+    made: list[tuple[float | None, float, int]], tokens: int, rule: list[str]
+) -> None:
+    entries = [entry(*values) for values in made]
+    settings = HistorySettings(tokens, "+".join(rule))
+    taken = choose(entries, settings)
+    assert len(set(taken)) == len(taken)
+    assert sum(estimate_tokens(entries[i].text) for i in taken) <= tokens
+    assert taken == choose(entries, settings)
+
+
+def test_an_unknown_rule_is_named() -> None:
+    with pytest.raises(InputError, match="'wurst' is none of best, worst"):
+        choose(LINE, HistorySettings(rule="best+wurst"))
+
+
+def test_a_body_is_one_entry_with_all_its_results() -> None:
+    small, large = body(0.3, idea="small"), body(0.7)
+    measured = grid([small, large], [reward(1), reward(2)])
+    entries = bodies(SWIMMER, "efficiency", reward(1), measured)
+    assert len(entries) == 2
+    assert entries[0].score == measured[1].efficiency
+    text = entries[0].text
+    assert text.startswith("## Body 1\nParameters: front_length 0.3")
+    assert "Idea: small" in text
+    assert f"With the current reward: efficiency {measured[0].efficiency:.4g}" in text
+    assert f"With another reward: efficiency {measured[1].efficiency:.4g}" in text
+
+
+def test_a_reward_is_one_entry_with_all_its_results() -> None:
+    few = [body(0.1 + i / 10) for i in range(9)]
+    measured = grid(few, [reward(1), reward(2)])
+    entries = rewards("efficiency", few[3], measured)
+    assert len(entries) == 2
+    text = entries[1].text
+    assert reward(2).source.strip() in text and text.startswith("## Reward 2")
+    assert f"On the current body: efficiency {measured[7].efficiency:.4g}" in text
+    assert "On another body, 8 times: efficiency" in text and "median" in text
+
+
+def test_an_entry_without_success_at_hand_tells_the_best_elsewhere_in_full() -> None:
+    measured = [
+        evaluation(body(0.3), reward(1), None),
+        evaluation(body(0.5), reward(1), 1.0),
+        evaluation(body(0.7), reward(1), 2.0),
+    ]
+    (told,) = rewards("fitness", body(0.3), measured)
+    assert "On the current body: failed (reward-failed): line 3" in told.text
+    assert "On another body, its best: efficiency" in told.text
+    assert "(fitness 2 m" in told.text.split("its best")[1]
+    assert told.text.count("How it moved") == 1
+
+
+def test_failures_are_counted_and_quoted_once() -> None:
+    measured = [evaluation(body(0.1 + i / 10), reward(1), None) for i in range(5)]
+    (told,) = rewards("efficiency", body(0.1), measured)
+    assert told.score is None
+    assert "On another body, 4 of 4 failed, for example:" in told.text
+    assert told.text.count(f"failed ({Status.REWARD_FAILED.value})") == 2
+
+
+def test_a_long_diagnosis_is_cut() -> None:
+    (told,) = bodies(
+        SWIMMER, "efficiency", reward(), [evaluation(body(), reward(), None, "long " * 500)]
+    )
+    assert len(told.text) < 700
+
+
+@pytest.mark.parametrize("tokens", [0, 10, 100, 1000, 100_000])
+def test_what_is_said_of_the_choice_is_true(tokens: int) -> None:
+    measured = [evaluation(body(0.1 + i / 50), reward(), i) for i in range(40)]
+    entries = bodies(SWIMMER, "efficiency", reward(), measured)
+    told = tell(entries, HistorySettings(tokens), "bodies")
+    shown = told.entries.count("## Body")
+    if shown == 40:
+        assert "all 40 bodies" in told.selection
+    else:
+        assert f"These are {shown} of the 40 bodies" in told.selection
+        assert all(words in told.selection for words in list(RULES.values())[:4])
+    assert estimate_tokens(told.entries) <= max(tokens, 10)
+
+
+def test_nothing_measured_yet() -> None:
+    assert "no bodies" in tell([], HistorySettings(), "bodies").selection
