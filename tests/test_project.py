@@ -106,3 +106,18 @@ def group(name: str) -> list[str]:
     for entry in PROJECT["dependency-groups"][name]:
         found += group(entry["include-group"]) if isinstance(entry, dict) else [entry]
     return found
+
+
+def test_the_example_task_is_a_sound_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    from robomore.tasks.compile import body_facts
+
+    folder = ROOT / "examples" / "eel"
+    announced = tomllib.loads((folder / "pyproject.toml").read_text())["project"]["entry-points"]
+    module, _, name = announced["robomore.tasks"]["eel"].partition(":")
+    monkeypatch.syspath_prepend(folder)
+    eel = getattr(importlib.import_module(module), name)
+
+    facts = body_facts(eel, eel.human)
+    # Of MuJoCo's default density, so that volume and template check each other.
+    assert facts["mass"] == pytest.approx(1000 * facts["volume"])
+    assert eel.rules[0].violation({"head_radius": 0.1, "tail_radius": 0.2})
