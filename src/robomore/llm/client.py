@@ -67,12 +67,18 @@ class LibraryModel:
         """Answer (see `ChatModel.complete`)."""
         started = time.monotonic()
         structured = request.schema is not None and self._schemas
+        tries = 0
+
+        def once(structured: bool) -> ModelResponse:
+            nonlocal tries
+            tries += 1
+            return self._once(request, structured)
+
         try:
-            response, tries = self._persist(request, structured)
+            response = persist(lambda: once(structured), self._patience, self._sleep)
         except SchemaRefused as refused:
             # Only an answer without the schema shows that the schema was what it refused.
-            response, tries = self._persist(request, structured=False)
-            tries += 1
+            response = persist(lambda: once(False), self._patience, self._sleep)
             structured = self._schemas = False
             _log.warning("%s takes no JSON schema (%s); asking in words", self.name, refused)
         return self._completion(request, response, tries, structured, started)
@@ -89,9 +95,6 @@ class LibraryModel:
         except (LookupError, ValueError):
             return None
         return float(price.total_price)
-
-    def _persist(self, request: Request, structured: bool) -> tuple[ModelResponse, int]:
-        return persist(lambda: self._once(request, structured), self._patience, self._sleep)
 
     def _once(self, request: Request, structured: bool) -> ModelResponse:
         with self._translated(structured):

@@ -57,15 +57,15 @@ class Patience:
 
 def persist(
     attempt: Callable[[], T], patience: Patience, sleep: Callable[[float], object] = time.sleep
-) -> tuple[T, int]:
-    """Return what `attempt` gives, and how many tries it took.
+) -> T:
+    """Return what `attempt` gives, trying again after a `Passing` fault.
 
     Raises:
         ModelUnavailable: every try met a `Passing` fault, or the provider asks for too long a wait.
     """
     for tried in range(1, patience.tries + 1):
         try:
-            return attempt(), tried
+            return attempt()
         except Passing as fault:
             if fault.wait is not None and fault.wait > patience.longest_asked:
                 raise ModelUnavailable(
