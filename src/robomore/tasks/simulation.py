@@ -6,7 +6,6 @@ and bit-identical to the official environments. Everything else is done for the 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,7 +15,8 @@ from numpy.typing import NDArray
 
 from robomore.errors import UnstableSimulation
 from robomore.tasks.environments import environment_class
-from robomore.tasks.environments.base import Array, RewardFunction
+from robomore.tasks.environments.base import Array, RewardFunction, all_of_each
+from robomore.tasks.gather import Gather
 from robomore.tasks.random_state import generator_state, seed_generator, set_generator_state
 from robomore.tasks.reward_runner import PerSimulationReward, RewardRunner
 from robomore.tasks.task import Task
@@ -24,7 +24,10 @@ from robomore.tasks.transition import Transition
 from robomore.types import TermStatistics
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-_DIVERGED = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
+
+DIVERGED = 1e6
+"""Positions (m, rad) and velocities (m/s, rad/s) that no robot of ours gets near: MuJoCo warns when
+something exceeds 1e10, an acceleration say, which makes a velocity at least so large."""
 
 TOLERATED_DIVERGENCES = 10
 """Divergences that are put up with in any case."""
@@ -36,9 +39,9 @@ TOLERATED_SHARE = 0.1
 class Simulations:
     """`n` simulations of one body under one reward (a `VectorEnvironment`).
 
-    A simulation whose physics diverges (a warning of MuJoCo about its state, or numbers that are
-    not finite) ends its episode as terminated, in the starting pose: such a step moves nothing
-    forward. Only when that happens again and again does `step` raise.
+    A simulation whose physics diverges (numbers that are not finite, or beyond `DIVERGED`) ends its
+    episode as terminated, in the starting pose: such a step moves nothing forward. Only when that
+    happens again and again does `step` raise.
 
     Attributes:
         n: simulations.
@@ -81,6 +84,8 @@ class Simulations:
         """
         self.environment = environment_class(task)(task, parameters, reward or _no_reward)
         self.model: mujoco.MjModel = self.environment.model
+        # A simulation that diverges shows it, instead of starting over in silence.
+        self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self.n = n
         self.action_size = int(self.model.nu)
         self.observation_size = sum(self.environment.observation_space.shape or ())
@@ -94,14 +99,19 @@ class Simulations:
         self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(n)]
         self._controls = [one.ctrl for one in self.data]
         self._forces_needed = self.environment.observes_forces
-        position_view = self.environment.position_view
-        self._rows = _Gather([[one.qpos, one.qvel, position_view(one)] for one in self.data])
-        self._forces = _Gather([[one.cfrc_ext.ravel()] for one in self.data])
-        self._warnings = _Gather([[one.warning.number[_DIVERGED]] for one in self.data])
-        self.physics_state: Array = self._rows.values[:, :-1]
-        self.qpos = self.physics_state[:, : self.model.nq]
-        self.qvel = self.physics_state[:, self.model.nq :]
-        self._position: Array = self._rows.values[:, -1]
+        nq, nv = self.model.nq, self.model.nv
+        self._rows = Gather(
+            [
+                [one.qpos, one.qvel] if place is None else [one.qpos, one.qvel, place]
+                for one in self.data
+                for place in [self.environment.position_view(one)]
+            ]
+        )
+        self._forces = Gather([[one.cfrc_ext.ravel()] for one in self.data])
+        self.physics_state: Array = self._rows.values[:, : nq + nv]
+        self.qpos = self.physics_state[:, :nq]
+        self.qvel = self.physics_state[:, nq:]
+        self._position: Array = self._rows.values[:, -1 if self._rows.width > nq + nv else 0]
         self.cfrc_ext: Array = self._forces.values.reshape(n, -1, 6)
 
         self.observation: Array = np.zeros((n, self.observation_size))
@@ -184,7 +194,7 @@ class Simulations:
         final = self.environment.batch_observation(self.physics_state, self.cfrc_ext)
         self.healthy = self.environment.batch_healthy(self.physics_state)
         terminated = ~self.healthy if self._terminates else np.zeros(self.n, np.bool_)
-        if self.diverged.any():
+        if np.count_nonzero(self.diverged):
             x_velocity[self.diverged] = 0.0
             terminated |= self.diverged
         if self._runner is None:
@@ -196,7 +206,7 @@ class Simulations:
         self.observation = final
         self._last_root = None
         ended = terminated | truncated
-        if ended.any():
+        if np.count_nonzero(ended):
             self._end(np.flatnonzero(ended), final)
         return Transition(self.observation, reward, terminated, truncated, final)
 
@@ -302,13 +312,11 @@ class Simulations:
                 self._begin(index)
 
     def _settle_diverged(self) -> None:
-        self._warnings.read()
-        warned = self._warnings.values
         self.diverged = np.zeros(self.n, np.bool_)
-        if not warned.any() and math.isfinite(self.physics_state.sum()):
+        # Not a number is not less than anything.
+        if self._rows.square_sum() < DIVERGED**2:
             return
-        finite = np.isfinite(self.physics_state).all(axis=1)
-        self.diverged = np.logical_or(warned.any(axis=1), ~finite)
+        self.diverged = ~all_of_each(np.abs(self.physics_state) < DIVERGED)
         for index in np.flatnonzero(self.diverged).tolist():
             self.divergences += int(not self._over[index])
             data = self.data[index]
@@ -316,27 +324,6 @@ class Simulations:
             mujoco.mj_forward(self.model, data)
             self._rows.read_one(index)
             self._forces.read_one(index)
-
-
-class _Gather:
-    """Arrays of each simulation side by side in one row.
-
-    Attributes:
-        values: (n, size), overwritten by each reading.
-    """
-
-    def __init__(self, views: list[list[NDArray[Any]]]) -> None:
-        self._rows = views
-        self._views = [view for row in views for view in row]
-        size = sum(view.size for view in views[0])
-        self.values = np.zeros((len(views), size), views[0][0].dtype)
-        self._flat = self.values.reshape(-1)
-
-    def read(self) -> None:
-        np.concatenate(self._views, out=self._flat)
-
-    def read_one(self, index: int) -> None:
-        np.concatenate(self._rows[index], out=self.values[index])
 
 
 def _no_reward(self: Any, x_velocity: float, action: Array) -> tuple[float, dict[str, float]]:

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium.envs.mujoco.ant_v5 import AntEnv
 from numpy.typing import NDArray
 
-from robomore.tasks.environments.base import Array, RobotEnvironment
+from robomore.tasks.environments.base import Array, RobotEnvironment, all_of_each, clip_in_place
 
 
 class AntEnvironment(RobotEnvironment, AntEnv):
@@ -32,13 +32,12 @@ class AntEnvironment(RobotEnvironment, AntEnv):
         felt = cfrc_ext[:, 1:].reshape(len(state), -1)  # nothing pushes the world
         observation = np.concatenate((state[:, start:], felt), axis=1)
         forces = observation[:, -felt.shape[1] :]
-        np.clip(forces, *self._contact_force_range, out=forces)
+        clip_in_place(forces, *self._contact_force_range)
         return observation
 
     def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
         low, high = self._limits
-        healthy: NDArray[np.bool_] = np.logical_and(low <= state, state <= high).all(axis=1)
-        return healthy
+        return all_of_each(np.logical_and(low <= state, state <= high))
 
     @cached_property
     def _limits(self) -> Array:

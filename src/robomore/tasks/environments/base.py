@@ -72,10 +72,12 @@ class RobotEnvironment(MujocoEnv):
         observation, info = super().reset(seed=seed, options=options)
         return observation, info
 
-    def position_view(self, data: mujoco.MjData) -> Array:
-        """Return a live view (1,) of the x position whose change is the x-velocity, in m."""
-        view: Array = data.qpos[:1]
-        return view
+    def position_view(self, data: mujoco.MjData) -> Array | None:
+        """Return a live view (1,) of the x position whose change is the x-velocity, in m.
+
+        `None` if that is the first number of `qpos`.
+        """
+        return None
 
     @property
     def observes_forces(self) -> bool:
@@ -126,13 +128,12 @@ class UprightEnvironment(RobotEnvironment):
     def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
         observation = super().batch_observation(state, cfrc_ext)
         velocities = observation[:, -self.model.nv :]
-        np.clip(velocities, -10, 10, out=velocities)
+        clip_in_place(velocities, -10, 10)
         return observation
 
     def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
         low, high = self._limits
-        healthy: NDArray[np.bool_] = np.logical_and(low < state, state < high).all(axis=1)
-        return healthy
+        return all_of_each(np.logical_and(low < state, state < high))
 
     @cached_property
     def _limits(self) -> Array:
@@ -144,3 +145,15 @@ class UprightEnvironment(RobotEnvironment):
         low, high = self._healthy_angle_range
         limits[:, 2] = max(limits[0, 2], low), min(limits[1, 2], high)
         return limits
+
+
+def clip_in_place(values: Array, low: float, high: float) -> None:
+    """Keep `values` within limits; on small arrays several times faster than `np.clip`."""
+    np.maximum(values, low, out=values)
+    np.minimum(values, high, out=values)
+
+
+def all_of_each(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (n,) whether all of a row are true, without the detour that `rows.all` makes."""
+    every: NDArray[np.bool_] = np.logical_and.reduce(rows, axis=1)
+    return every
