@@ -25,6 +25,14 @@ LOWEST_TORSO = 0.1
 HIGHEST_TORSO = 2.3
 """Ant counts as out of control when its torso is higher than this, in m."""
 
+LEAST_SHARE = 0.3
+"""The first and third segment of a leg are at least this fraction of the second one's length.
+
+Where the second one dwarfs both, its motor whirls a robot that weighs almost nothing elsewhere, up
+to rates that the fixed time step cannot follow: of 400 thin random robots driven by random full
+torques for 25 s, one in seven diverged there, and none of 575 within this limit.
+"""
+
 ANT_REWARD = '''def _get_rew(self, x_velocity, action):
     """Forward speed and a bonus for staying healthy, less the cost of effort and of contacts."""
     forward = self._forward_reward_weight * x_velocity
@@ -50,15 +58,19 @@ JUMP_REWARD = '''def _get_rew(self, x_velocity, action):
 
 def start_height(values: Values) -> float:
     """Return the torso's height when an episode starts, in m, before reset noise."""
-    return math.hypot(values["foot_x"], values["foot_y"]) + START_CLEARANCE
+    return _length(values, "foot") + START_CLEARANCE
 
 
 def _shapes(values: Values) -> tuple[Shape, ...]:
     legs = (
-        Capsule(values[f"{part}_radius"], math.hypot(values[f"{part}_x"], values[f"{part}_y"]), 4)
+        Capsule(values[f"{part}_radius"], _length(values, part), 4)
         for part in ("hip", "leg", "foot")
     )
     return (Sphere(values["torso_radius"]), *legs)
+
+
+def _length(values: Values, part: str) -> float:
+    return math.hypot(values[f"{part}_x"], values[f"{part}_y"])
 
 
 def _starts_too_low(values: Values) -> str | None:
@@ -81,6 +93,22 @@ def _starts_in_ground(values: Values) -> str | None:
     return (
         f"{' and '.join(deep)} reaches into the ground at the start; with this foot segment a "
         f"radius may be at most {most:.4g} m"
+    )
+
+
+def _out_of_proportion(values: Values) -> str | None:
+    least = LEAST_SHARE * _length(values, "leg")
+    short = [
+        f"{part}_x = {values[f'{part}_x']:g} m and {part}_y = {values[f'{part}_y']:g} m make a "
+        f"{part} segment of {_length(values, part):.4g} m"
+        for part in ("hip", "foot")
+        if _length(values, part) < least
+    ]
+    if not short:
+        return None
+    return (
+        f"{' and '.join(short)}; with leg_x = {values['leg_x']:g} m and leg_y = "
+        f"{values['leg_y']:g} m it must be at least {least:.4g} m long"
     )
 
 
@@ -128,6 +156,12 @@ ANT = Task(
             "no part may reach into the ground at the start: each radius <= "
             f"sqrt(foot_x^2 + foot_y^2) + {START_CLEARANCE - RESET_NOISE:g}",
             _starts_in_ground,
+        ),
+        Rule(
+            "the first and third segment of a leg must each be at least "
+            f"{LEAST_SHARE:g} times as long as the second: sqrt(hip_x^2 + hip_y^2) and "
+            f"sqrt(foot_x^2 + foot_y^2) >= {LEAST_SHARE:g} * sqrt(leg_x^2 + leg_y^2)",
+            _out_of_proportion,
         ),
     ),
     shapes=_shapes,

@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from robomore.tasks.geometry import Capsule, Shape
-from robomore.tasks.task import Parameter, Task, Values
+from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
 
 LINKS = ("front", "middle", "back")
+
+THINNEST = 0.01
+"""Smallest radius in m, for links long enough."""
+
+THICK_ENOUGH = 0.03
+"""Radius in m with which links of any allowed length can be simulated."""
+
+SLENDER = 0.017
+"""Radius times shortest length that can be simulated in between, in m^2."""
 
 SPEED_REWARD = '''def _get_rew(self, x_velocity, action):
     """Forward speed less the cost of effort."""
@@ -22,13 +31,42 @@ def _shapes(values: Values) -> tuple[Shape, ...]:
     return tuple(Capsule(values[f"{link}_radius"], values[f"{link}_length"]) for link in LINKS)
 
 
+def least_radius(shortest: float) -> float:
+    """Return the smallest radius of a swimmer whose shortest link is `shortest` m long, in m.
+
+    The fluid is four times as dense as the links. It stops a light link within a fraction of the
+    fixed time step, and the explicit integrator then throws the link back faster than it came. The
+    limit is the outcome of random swimmers driven by random torques; lighter ones diverge.
+    """
+    return min(THICK_ENOUGH, max(THINNEST, SLENDER / shortest))
+
+
+def _too_light(values: Values) -> str | None:
+    shortest = min(LINKS, key=lambda link: values[f"{link}_length"])
+    length = values[f"{shortest}_length"]
+    least = least_radius(length)
+    thin = [
+        f"{link}_radius = {values[f'{link}_radius']:g} m"
+        for link in LINKS
+        if values[f"{link}_radius"] < least
+    ]
+    if not thin:
+        return None
+    return (
+        f"{' and '.join(thin)} is too thin for this fluid; with {shortest}_length = {length:g} m "
+        f"as the shortest link, a radius must be at least {least:.4g} m"
+    )
+
+
 def _length(link: str) -> Parameter:
     meaning = f"length of the {link} link between the centres of its ends"
-    return Parameter(f"{link}_length", 0.05, 3.0, 1.0, meaning, scale="log")
+    return Parameter(f"{link}_length", 0.1, 3.0, 1.0, meaning, scale="log")
 
 
 def _radius(link: str) -> Parameter:
-    return Parameter(f"{link}_radius", 0.005, 0.3, 0.1, f"radius of the {link} link", scale="log")
+    return Parameter(
+        f"{link}_radius", THINNEST, 0.3, 0.1, f"radius of the {link} link", scale="log"
+    )
 
 
 SWIMMER = Task(
@@ -44,6 +82,14 @@ SWIMMER = Task(
     fitness="distance",
     template=read_asset("swimmer.xml"),
     parameters=(*map(_length, LINKS), *map(_radius, LINKS)),
+    rules=(
+        Rule(
+            "the fluid is denser than the links and must not stop a light link faster than can be "
+            f"simulated: each radius >= {SLENDER:g} m^2 / (shortest length), though a radius of "
+            f"{THICK_ENOUGH:g} m always suffices",
+            _too_light,
+        ),
+    ),
     shapes=_shapes,
     reward=SPEED_REWARD,
     environment="robomore.tasks.environments.swimmer:SwimmerEnvironment",

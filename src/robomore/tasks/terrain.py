@@ -7,7 +7,9 @@ slope); where those are measured, so is ours: on the tile itself.
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -22,7 +24,10 @@ CELLS = 128
 """Cells along a tile's side: one elevation every half metre."""
 
 BEHIND, AHEAD, ASIDE = 1, 12, 2
-"""Tiles beyond the first in each direction: ahead, 50 s at 15 m/s. Beyond them the ground is flat."""
+"""Tiles beyond the first in each direction: ahead, 50 s at 15 m/s. Beyond them it is flat."""
+
+FINER = 3
+"""Lattice cells of the fine noise for each of the coarse one's."""
 
 MEAN, DEVIATION = 120 / 255, 46 / 255
 """Of the paper's elevation pictures, as fractions of the highest elevation."""
@@ -98,19 +103,9 @@ def tile(terrain: Terrain) -> NDArray[np.float64]:
     """
     # A coarse noise with a finer one on top: for each lattice, the share of the finer noise that
     # gives the right slope; of all lattices, the one whose correlation length then fits best.
-    best: tuple[float, NDArray[np.float64]] | None = None
-    for waves in range(4, 24):
-        coarse, fine = (_perlin(n, terrain.seed) for n in (waves, 2 * waves))
-        for share in np.linspace(0.0, 0.6, 25):
-            field = (1 - share) * coarse + share * fine
-            field = np.clip(terrain.mean + terrain.deviation * field / field.std(), 0.0, 1.0)
-            misfit = abs(np.log(rms_slope(field, terrain.height) / terrain.slope)) + abs(
-                np.log(half_correlation(field) / terrain.half_correlation)
-            )
-            if best is None or misfit < best[0]:
-                best = misfit, field
-    assert best is not None
-    closed = np.pad(best[1], (0, 1), mode="wrap")
+    fields = [_mixed(terrain, waves) for waves in range(4, 24)]
+    best = min(fields, key=lambda field: _misfit(field, terrain))
+    closed = np.pad(best, (0, 1), mode="wrap")
     closed.setflags(write=False)
     return closed
 
@@ -126,8 +121,7 @@ def highest(terrain: Terrain, radius: float) -> float:
 
 def rms_slope(field: NDArray[np.float64], height: float) -> float:
     """Return the root-mean-square slope of a periodic tile along its axes (dimensionless)."""
-    steps = [np.diff(field, axis=axis, append=field.take([0], axis)) for axis in (0, 1)]
-    return float(height * np.sqrt(np.mean(np.square(steps))) / (TILE / CELLS))
+    return float(height * np.sqrt(np.mean(np.square(_steps(field)))))
 
 
 def half_correlation(field: NDArray[np.float64]) -> float:
@@ -140,7 +134,37 @@ def half_correlation(field: NDArray[np.float64]) -> float:
     return float((after - 1 + share) * TILE / CELLS)
 
 
-@lru_cache(maxsize=64)
+def _mixed(terrain: Terrain, waves: int) -> NDArray[np.float64]:
+    """Return the tile of coarse and fine noise whose slope comes nearest to the terrain's."""
+    coarse, fine = _perlin(waves, terrain.seed), _perlin(FINER * waves, terrain.seed)
+    shares = np.linspace(0.0, 1.0, 201)
+    # Squares of a mixture are quadratic in the share, so no mixture needs to be made to measure it.
+    variance = _mixture(shares, (1.0, float(np.mean(coarse * fine)), 1.0))
+    steep, steeper = _steps(coarse), _steps(fine)
+    squares = [float(np.mean(a * b)) for a, b in ((steep, steep), (steep, steeper), (steeper,) * 2)]
+    slope = terrain.height * terrain.deviation * np.sqrt(_mixture(shares, squares) / variance)
+    share = shares[np.argmin(np.abs(slope - terrain.slope))]
+    field = (1 - share) * coarse + share * fine
+    return np.asarray(np.clip(terrain.mean + terrain.deviation * field / field.std(), 0.0, 1.0))
+
+
+def _mixture(shares: NDArray[np.float64], squares: Sequence[float]) -> NDArray[np.float64]:
+    first, cross, second = squares
+    return (1 - shares) ** 2 * first + 2 * shares * (1 - shares) * cross + shares**2 * second
+
+
+def _misfit(field: NDArray[np.float64], terrain: Terrain) -> float:
+    return abs(math.log(rms_slope(field, terrain.height) / terrain.slope)) + abs(
+        math.log(half_correlation(field) / terrain.half_correlation)
+    )
+
+
+def _steps(field: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rise per metre along both axes of a periodic tile (2, rows, columns)."""
+    rises = [np.diff(field, axis=axis, append=field.take([0], axis)) for axis in (0, 1)]
+    return np.stack(rises) / (TILE / CELLS)
+
+
 def _perlin(waves: int, seed: int) -> NDArray[np.float64]:
     """Return periodic gradient noise with `waves` lattice cells a side: mean 0, deviation 1."""
     angles = np.random.default_rng([seed, waves]).uniform(0.0, 2 * np.pi, (waves, waves))
@@ -154,8 +178,8 @@ def _perlin(waves: int, seed: int) -> NDArray[np.float64]:
         rise = np.cos(angle) * (offset - column)[None, :] + np.sin(angle) * (offset - row)[:, None]
         across = fade if column else 1 - fade
         down = fade if row else 1 - fade
-        return rise * across[None, :] * down[:, None]
+        return np.asarray(rise * across[None, :] * down[:, None])
 
-    noise = sum(corner(row, column) for row in (0, 1) for column in (0, 1))
-    noise = noise - noise.mean()
-    return noise / noise.std()
+    noise = corner(0, 0) + corner(0, 1) + corner(1, 0) + corner(1, 1)
+    noise -= noise.mean()
+    return np.asarray(noise / noise.std())
