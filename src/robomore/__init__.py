@@ -14,6 +14,7 @@ decides, a `Ledger` remembers, a `Report` shows.
 from __future__ import annotations
 
 import importlib
+import sys
 from typing import Any
 
 __version__ = "0.1.0"
@@ -33,3 +34,8 @@ def __getattr__(name: str) -> Any:
     if name in _HOMES:
         return getattr(importlib.import_module(_HOMES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+if "gymnasium" in sys.modules:
+    # Who has imported Gymnasium already may want `gymnasium.make("robomore/Ant-v0")`.
+    importlib.import_module("robomore.tasks.registration")

@@ -1,0 +1,175 @@
+"""Whole runs on a real robot: same seed, same result, however many workers and interruptions."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from robomore.errors import RunFolderError
+from robomore.experiment import evaluate, run
+from robomore.settings import Budget, RunSettings, SearchSettings, preset
+from robomore.store import Ledger, RunFolder
+from robomore.tasks import get_task
+from robomore.types import Evaluation, Status, TrainerSettings
+
+TRAINER = TrainerSettings("crossq", {"hidden": [32], "batch_size": 32, "warm_up_steps": 256})
+TINY = RunSettings(
+    search=SearchSettings(morphologies=2, rewards=1, survivors=0.5, max_cycles=1, repeats=1),
+    trainer=TRAINER,
+    candidate=Budget(steps=768, episodes=2),
+    final=Budget(steps=512, episodes=1),
+)
+
+
+def numbers(folder: Path) -> list[tuple[str, Status, float | None, float | None]]:
+    """Everything that has to be the same in two runs of one seed."""
+    ledger = Ledger(RunFolder.existing(folder).ledger, read_only=True)
+    placed = [(repr(p), e.key, e.status, e.fitness, e.efficiency) for p, e in ledger.placed()]
+    ledger.close()
+    return sorted(placed)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run with two workers."""
+    return run("swimmer", TINY, seed=1, workers=2, out=tmp_path_factory.mktemp("run") / "a").folder
+
+
+def test_a_run_ends_with_a_champion_and_its_files(finished: Path) -> None:
+    folder = RunFolder.existing(finished)
+    for name in ("design.json", "reward.py", "robot.xml", "policy.npz"):
+        assert (folder.champion / name).is_file(), name
+    assert not list(folder.scratch.glob("*"))
+    design = msgspec.json.decode((folder.champion / "design.json").read_bytes())
+    get_task("swimmer").check(design["parameters"])
+    stages = [place.stage for place, _ in Ledger(folder.ledger, read_only=True).placed()]
+    assert stages == ["coarse"] * 2 + ["fine"] * 2 + ["final"] * 2
+
+
+def test_one_worker_gives_the_same_numbers_as_two(finished: Path, tmp_path: Path) -> None:
+    run("swimmer", TINY, seed=1, workers=1, out=tmp_path / "b")
+    assert numbers(tmp_path / "b") == numbers(finished)
+
+
+def test_another_seed_gives_other_numbers(finished: Path) -> None:
+    other = evaluate("swimmer", settings=TINY, seed=2)
+    same = evaluate("swimmer", settings=TINY, seed=3)
+    assert other.fitness != same.fitness
+
+
+def test_a_finished_run_recomputes_nothing(finished: Path) -> None:
+    before = numbers(finished)
+    began = time.monotonic()
+    result = run("swimmer", TINY, seed=1, out=finished)
+    # Six trainings take many times as long.
+    assert time.monotonic() - began < 3
+    assert numbers(finished) == before
+    assert all(e.ok for e in result.champion)
+
+
+def test_a_run_killed_again_and_again_ends_as_an_uninterrupted_one(
+    finished: Path, tmp_path: Path
+) -> None:
+    program = textwrap.dedent(
+        """
+        import sys, msgspec
+        from robomore.experiment import run
+        from robomore.settings import RunSettings
+        settings = msgspec.json.decode(sys.argv[1], type=RunSettings)
+        run("swimmer", settings, seed=1, workers=2, out=sys.argv[2])
+        """
+    )
+    out = tmp_path / "killed"
+    command = [sys.executable, "-c", program, msgspec.json.encode(asdict(TINY)).decode(), str(out)]
+    for seconds in (3.0, 6.0, 9.0):
+        process = subprocess.Popen(command, start_new_session=True)
+        time.sleep(seconds)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    subprocess.run(command, check=True, timeout=300)
+    assert numbers(out) == numbers(finished)
+    assert not _still_running(out), "a worker outlived its run"
+
+
+def test_a_folder_of_another_run_is_refused_before_anything_starts(finished: Path) -> None:
+    with pytest.raises(RunFolderError, match="task is 'swimmer' there and 'ant' here"):
+        run("ant", TINY, seed=1, out=finished)
+
+
+def test_two_rewards_lead_to_two_policies() -> None:
+    """A reward that never reaches training would give the same policy as any other."""
+    forward, backward = (
+        evaluate("swimmer", reward=_directed(sign), settings=TINY, steps=20_000, seed=0)
+        for sign in (1, -1)
+    )
+    assert forward.ok and backward.ok
+    assert forward.fitness is not None and backward.fitness is not None
+    assert forward.fitness > 3 > -3 > backward.fitness
+
+
+def test_the_same_evaluation_twice_is_the_same_to_the_last_digit() -> None:
+    first, second = (evaluate("hopper", settings=TINY, steps=512, seed=5) for _ in range(2))
+    assert _timeless(first) == _timeless(second)
+
+
+def test_a_checkpoint_continues_as_if_it_had_never_stopped(tmp_path: Path) -> None:
+    whole = evaluate("swimmer", settings=TINY, steps=768, seed=0)
+    evaluate("swimmer", settings=TINY, steps=512, seed=0, checkpoint=tmp_path)
+    continued = evaluate("swimmer", settings=TINY, steps=768, seed=0, checkpoint=tmp_path)
+    assert _timeless(continued) == _timeless(whole)
+
+
+@pytest.mark.parametrize(
+    ("reward", "status", "said"),
+    [
+        (
+            "def _get_rew(self, x_velocity, action):\n    return 1 / 0, {}",
+            "reward-failed",
+            "line 2",
+        ),
+        ("def _get_rew(self, x_velocity, action)\n    return 1, {}", "invalid-reward", "line 1"),
+        (
+            "def _get_rew(self, x_velocity, action):\n    return float('nan'), {}",
+            "reward-failed",
+            "nan",
+        ),
+    ],
+)
+def test_a_failure_is_a_status_with_a_diagnosis(reward: str, status: str, said: str) -> None:
+    evaluation = evaluate("swimmer", reward=reward, settings=TINY)
+    assert (evaluation.status, evaluation.fitness, evaluation.efficiency) == (status, None, None)
+    assert said in evaluation.diagnosis
+
+
+def test_presets_are_known_by_name_and_grow() -> None:
+    steps = [preset(name).candidate.steps for name in ("smoke", "quick", "standard", "paper")]
+    assert steps == sorted(steps)
+
+
+def _directed(sign: int) -> str:
+    return f"def _get_rew(self, x_velocity, action):\n    return {sign} * x_velocity, {{}}\n"
+
+
+def _timeless(evaluation: Evaluation) -> dict[str, object]:
+    """All of an evaluation but what the clock says."""
+    return {**asdict(evaluation), "seconds": None}
+
+
+def _still_running(out: Path) -> bool:
+    """Whether any process was started for this run folder and lives."""
+    time.sleep(1.0)
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if str((process / "cwd").readlink()).startswith(str(out)):
+                return True
+        except OSError:
+            continue
+    return False
