@@ -1,0 +1,198 @@
+"""What the documents say exists: links, commands, verbs; and what they must never say."""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+import shlex
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+from cyclopts import CycloptsError
+
+from robomore.cli.app import COMMANDS, application
+from robomore.settings import PRESETS, preset
+from robomore.store import RunFolder
+from robomore.tasks import all_tasks, get_task
+from robomore.types import Status
+
+ROOT = Path(__file__).parents[1]
+DOCUMENTS = sorted(
+    path for pattern in ("*.md", "docs/**/*.md", "examples/**/*.md") for path in ROOT.glob(pattern)
+)
+
+_FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_INLINE = re.compile(r"(?<!`)`([^`\n]+)`(?!`)")
+_LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)[^)]*\)|<img[^>]*\ssrc=\"([^\"]+)\"")
+_HEADING = re.compile(r"^#+ +(.+?) *$", re.MULTILINE)
+
+STAND_INS = {
+    "TASK": "ant",
+    "RUN": "runs/demo",
+    "DESIGN": "runs/demo/champion",
+    "FILE.json": "body.json",
+    "FILE.py": "reward.py",
+    "DIR": "runs/other",
+    "NAME": "name",
+    "N": "1",
+}
+"""Words in capitals that stand for a user's own, and something that parses in their place."""
+
+SHELL = ("", "bash", "console", "sh", "shell", "text")
+
+
+def named(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+@cache
+def prose(document: Path) -> str:
+    """Return a document without its blocks of code."""
+    return _FENCE.sub("", document.read_text())
+
+
+@cache
+def anchors(document: Path) -> set[str]:
+    """Return what a document's headings are linked as."""
+    found: set[str] = set()
+    for heading in _HEADING.findall(prose(document)):
+        text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "").lower()
+        found.add(re.sub(r"[^\w\- ]", "", text).replace(" ", "-"))
+    return found
+
+
+def code(document: Path) -> Iterator[str]:
+    """Yield the lines of a document's shell blocks, and its inline code."""
+    for language, block in _FENCE.findall(document.read_text()):
+        if language in SHELL:
+            yield from block.replace("\\\n", " ").splitlines()
+    yield from _INLINE.findall(prose(document))
+
+
+def commands(program: str) -> list[tuple[str, str]]:
+    """Return (document, arguments) of each use of `program` in the documents."""
+    found: list[tuple[str, str]] = []
+    for document in DOCUMENTS:
+        for line in code(document):
+            start = re.match(rf"(?:\$ )?(?:\S*/)?{program} (.+)", line.strip())
+            if start:
+                found.append((named(document), start[1]))
+    return list(dict.fromkeys(found))
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=named)
+def test_links_lead_somewhere(document: Path) -> None:
+    broken = []
+    for pair in _LINK.findall(prose(document)):
+        target = pair[0] or pair[1]
+        if "://" in target or target.startswith("mailto:"):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (document.parent / path).resolve() if path else document
+        if not file.exists() or (anchor and anchor not in anchors(file)):
+            broken.append(target)
+    assert not broken
+
+
+def test_the_documents_show_commands() -> None:
+    shown = {arguments.split()[0] for _, arguments in commands("robomore")}
+    assert shown >= set(COMMANDS), "a command that no document shows"
+
+
+@pytest.mark.parametrize(("document", "arguments"), commands("robomore"))
+def test_commands_parse(document: str, arguments: str) -> None:
+    words = [STAND_INS.get(word, word) for word in shlex.split(arguments, comments=True)]
+    for end in ("|", ">", "&&", ";"):
+        if end in words:
+            words = words[: words.index(end)]
+    words = [word for word in words if word != "--debug"]  # taken out before parsing
+    try:
+        _, bound, _ = application().parse_args(words, exit_on_error=False, print_error=False)
+    except CycloptsError as error:
+        pytest.fail(f"{document}: robomore {arguments}: {error}")
+    task = bound.arguments.get("task")
+    if task is not None and task not in third_party_tasks():
+        get_task(task)
+
+
+def third_party_tasks() -> set[str]:
+    """Return the ids of tasks that the examples add once they are installed."""
+    text = "".join(path.read_text() for path in ROOT.glob("examples/**/*.py"))
+    return set(re.findall(r'^\s+id="([\w-]+)"', text, re.MULTILINE)) - set(all_tasks())
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=named)
+def test_python_in_documents_imports_what_exists(document: Path) -> None:
+    blocks = [
+        block for language, block in _FENCE.findall(document.read_text()) if language == "python"
+    ]
+    for block in blocks:
+        imports = [
+            node
+            for node in ast.walk(ast.parse(block))
+            if isinstance(node, ast.Import | ast.ImportFrom)
+        ]
+        exec(compile(ast.Module(imports, []), document.name, "exec"), {})
+
+
+def test_verbs_of_make_exist() -> None:
+    verbs = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    used = {arguments.split()[0] for _, arguments in commands("make")}
+    assert used and used <= verbs
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_are_told_as_they_are(name: str) -> None:
+    settings = preset(name)
+    search, candidate, final = settings.search, settings.candidate, settings.final
+    grid = search.morphologies * search.rewards
+    survivors = max(1, math.floor(search.survivors * grid + 0.5))
+
+    def several(count: int, word: str) -> str:
+        return f"{count} {word}{'s' if count > 1 else ''}"
+
+    row = (
+        f"| `{name}` | {search.morphologies} by {search.rewards} | {survivors} | "
+        f"{search.max_cycles} | {candidate.steps:,} steps, {several(candidate.episodes, 'episode')} | "
+        f"{several(search.finalists, 'design')}, {several(search.repeats, 'seed')}, "
+        f"{final.steps:,} steps, {several(final.episodes, 'episode')} |"
+    )
+    assert row in (ROOT / "docs" / "runs.md").read_text()
+
+
+def test_every_file_of_a_run_is_told() -> None:
+    told = (ROOT / "docs" / "runs.md").read_text()
+    folder = RunFolder(Path("run"))
+    names = [path.name for path in vars(folder).values() if isinstance(path, Path)]
+    assert [name for name in names if name != "run" and f"`{name}" not in told] == []
+    assert [status for status in Status if f"| `{status}` |" not in told] == []
+
+
+def texts() -> Iterator[tuple[str, str]]:
+    """Yield (name, text) of the project's files, wherever the project lies."""
+    folders = (".ci", "benchmarks", "docs", "examples", "lock", "src", "tests")
+    paths = [path for path in ROOT.iterdir() if path.is_file()]
+    paths += [path for folder in folders for path in (ROOT / folder).rglob("*") if path.is_file()]
+    for path in paths:
+        content = path.read_bytes()
+        if b"\0" not in content and "__pycache__" not in path.parts:
+            yield named(path), content.decode(errors="replace")
+
+
+def test_no_file_names_a_place_that_only_one_machine_has() -> None:
+    # Put together here, so that this file does not name them either.
+    hosts = ("pypi" + ".org", "python" + "hosted.org", "ana" + "conda.org", "npm" + "js.")
+    places = [re.escape(host) for host in hosts]
+    places += [r"/(?:home|Users)/\w", "/root" + "/"]
+    if len(ROOT.parts) > 2:
+        places.append(re.escape(str(ROOT)) + r"\b")
+    pattern = re.compile("|".join(places))
+    found = {
+        name: hit[0]
+        for name, text in texts()
+        if name != named(Path(__file__)) and (hit := pattern.search(text))
+    }
+    assert not found
