@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from robomore.tasks import Task, get_task
 from robomore.types import (
@@ -16,7 +17,17 @@ from robomore.types import (
     TrainerSettings,
 )
 
-SWIMMER = get_task("swimmer")
+_BOUNDS = {"length": (0.05, 3.0), "radius": (0.005, 0.3)}
+SWIMMER = replace(
+    get_task("swimmer"),
+    parameters=tuple(
+        replace(p, low=low, high=high)
+        for p in get_task("swimmer").parameters
+        for low, high in (_BOUNDS[p.name.split("_")[1]],)
+    ),
+    rules=(),
+)
+"""The swimmer with bounds that stay as they are."""
 
 
 def body(*values: float, idea: str = "") -> Morphology:

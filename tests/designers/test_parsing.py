@@ -18,15 +18,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measured import SWIMMER
 
 from robomore.designers.extraction import LONGEST, NotFound, find_code, find_object
 from robomore.designers.parsing import BadReply, parse_morphology, parse_reward
 from robomore.sandbox.check import Finding
-from robomore.tasks import get_task
 from robomore.types import Morphology, Reward
 
 REPLIES = sorted((Path(__file__).parent / "replies").glob("*.txt"))
-SWIMMER = get_task("swimmer")
 EXPECTED = (0.8, 0.9, 1.0, 0.02, 0.03, 0.04)
 TAKEN_BODY = Morphology((0.5, 0.5, 0.5, 0.05, 0.05, 0.05))
 TAKEN_REWARD = Reward(

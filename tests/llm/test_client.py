@@ -248,3 +248,5 @@ def test_prices_come_from_the_price_list(monkeypatch: pytest.MonkeyPatch) -> Non
     assert connect("openai:gpt-4o").cost(1_000_000, 0) > 0
     assert connect("openai:no-such-model").cost(1_000_000, 0) is None
     assert connect("ollama:anything").cost(1_000_000, 0) == 0
+    monkeypatch.setenv("OPENAI_BASE_URL", "https://proxy.example.com/v1")
+    assert connect("openai:gpt-4o").cost(1_000_000, 0) > 0

@@ -88,13 +88,14 @@ class LibraryModel:
         if self._price is not None:
             return (input_tokens * self._price[0] + output_tokens * self._price[1]) / 1e6
         usage = Usage(input_tokens=input_tokens, output_tokens=output_tokens)
-        try:
-            price = calc_price(
-                usage, model_ref=self._model.model_name, provider_api_url=self._model.base_url
-            )
-        except (LookupError, ValueError):
-            return None
-        return float(price.total_price)
+        name, url, system = self._model.model_name, self._model.base_url, self._model.system
+        # The URL says best who sends the bill; behind a proxy, the provider's name has to do.
+        for where in ({"provider_api_url": url}, {"provider_id": system}):
+            try:
+                return float(calc_price(usage, name, **where).total_price)
+            except (LookupError, ValueError):
+                _log.debug("no price for %s at %s", name, where)
+        return None
 
     def _once(self, request: Request, structured: bool) -> ModelResponse:
         with self._translated(structured):
