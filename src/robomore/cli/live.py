@@ -69,7 +69,7 @@ def render(progress: Progress) -> RenderableType:
     title = Text.assemble(
         (run.task, "bold"),
         f"  {run.preset}, designer {run.designer}, seed {run.seed}, "
-        f"{run.workers} worker{'s' if run.workers != 1 else ''}",
+        f"{_several(run.workers, 'worker')}",
     )
     parts: list[RenderableType] = [title, Text(run.provenance, style="dim"), Text()]
     if progress.stage:
@@ -117,16 +117,17 @@ class PlainLines:
         if isinstance(event, RunBegan):
             self._say(
                 f"{event.task}: {event.preset}, designer {event.designer}, seed {event.seed}, "
-                f"{event.workers} worker(s), into {event.folder}"
+                f"{_several(event.workers, 'worker')}, into {event.folder}"
             )
             self._say(event.provenance)
         elif isinstance(event, BatchBegan) and progress.stage != self._stage:
             self._stage = progress.stage
-            self._say(f"{progress.stage} stage: {progress.asked} designs")
+            self._say(f"{progress.stage} stage: {_several(progress.asked, 'evaluation')}")
         elif isinstance(event, Finished) and not event.known:
             better = progress.best is not best
             late = self._clock() - self._last >= _SECONDS_BETWEEN_LINES
-            if better or late or not event.evaluation.ok:
+            last_word = event.place.stage == "final"
+            if better or late or last_word or not event.evaluation.ok:
                 self._say(_line(progress, event, better))
 
     def _say(self, line: str) -> None:
@@ -144,6 +145,10 @@ def _line(progress: Progress, event: Finished, better: bool) -> str:
         said = f"{evaluation.status} ({place_name(event.place)}): {first}"
     done = progress.asked - progress.open
     return f"[{progress.stage} {done}/{progress.asked}] {said}; {_times(progress)}"
+
+
+def _several(count: int, name: str) -> str:
+    return f"{count} {name}{'' if count == 1 else 's'}"
 
 
 def _cut(line: str, style: str) -> Text:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from robomore.report.contestants import Contestant
 from robomore.report.summary import Summary
 from robomore.report.svg import axis_around, element, figure, hover, text
-from robomore.report.words import number
+from robomore.report.words import number, short
 from robomore.tasks import Parameter
 
 _WIDTH = 300.0
@@ -73,7 +73,7 @@ def seed_dots(summary: Summary, name: str) -> str:
     for tick in x.ticks(4):
         at = x.at(tick)
         parts.append(element("line", x1=at, x2=at, y1=4, y2=height - 22, klass="grid"))
-        parts.append(text(number(tick, 2), at, height - 8, text_anchor="middle", klass="tick"))
+        parts.append(text(short(tick), at, height - 8, text_anchor="middle", klass="tick"))
     for row, (one, measured) in enumerate(shown):
         y = 20 + 34.0 * row
         kind = "human" if one.name == "human" else "champion"

@@ -79,7 +79,7 @@ def _cell(
         f"{evaluation.design.morphology.idea} / {evaluation.design.reward.idea}"
     )
     fill, ink = _colours(share or 0.0)
-    label = _label(number(score, 3), x, y, width, fill=ink, klass="cell") if width > 44 else ""
+    label = _label(number(score, 3), x, y, width, style=f"fill:{ink}") if width > 44 else ""
     return element("g", hover(said) + _box(x, y, width, fill=fill) + label)
 
 

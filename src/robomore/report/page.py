@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from robomore.errors import InputError
+from robomore.errors import InputError, InvalidMorphology
 from robomore.report.command import command_line
 from robomore.report.contest import parameter_rows, seed_dots
 from robomore.report.contestants import Contestant
@@ -15,7 +16,7 @@ from robomore.report.heatmap import heatmap
 from robomore.report.plots import best_so_far, fitness_over_volume
 from robomore.report.source import highlighted
 from robomore.report.summary import Summary, summarise
-from robomore.report.words import EFFICIENCY_UNIT, duration, number, place_name, with_spread
+from robomore.report.words import EFFICIENCY_UNIT, duration, number, place_name, short, with_spread
 from robomore.store import RunFolder
 
 _PICTURE = (460, 340)
@@ -56,6 +57,7 @@ def render(summary: Summary) -> str:
     )
     environment.filters |= {
         "number": number,
+        "short": short,
         "duration": duration,
         "place": place_name,
         "with_spread": with_spread,
@@ -93,7 +95,12 @@ def _bodies(summary: Summary) -> dict[str, Markup]:
         "champion": shown["champion"].parameters if shown["champion"] else None,
         "human": dict(zip(summary.task.names, summary.task.human, strict=True)),
     }
-    scenes = {name: draw(summary.task, values) for name, values in parameters.items() if values}
+    scenes = {}
+    for name, values in parameters.items():
+        # What another version of the task trained may be refused by this one.
+        with suppress(InvalidMorphology):
+            if values:
+                scenes[name] = draw(summary.task, values)
     return {
         name: Markup(svg(scene, frame_around(scene, *_PICTURE, alike=[*scenes.values()]), name))
         for name, scene in scenes.items()

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from robomore.report.summary import Summary
 from robomore.report.svg import Axis, axis_around, element, figure, hover, text
-from robomore.report.words import EFFICIENCY_UNIT, number, place_name
+from robomore.report.words import EFFICIENCY_UNIT, number, place_name, short
 from robomore.types import Evaluation, Place
 
-_WIDTH, _HEIGHT = 640.0, 360.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 64.0, 16.0, 16.0, 44.0
+_WIDTH, _HEIGHT = 500.0, 330.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 60.0, 16.0, 16.0, 44.0
 
 Placed = tuple[Place, Evaluation]
 
@@ -30,7 +28,10 @@ def best_so_far(summary: Summary) -> str:
     level = getattr(human, objective) if human else None
     values = [score for _, score, _ in scored] + ([level.mean] if level else [])
     x = Axis(0.5, max(len(search), 2) + 0.5, _LEFT, _WIDTH - _RIGHT)
-    y = axis_around(_visible(values), _HEIGHT - _BOTTOM, _TOP, log=min(values) > 0)
+    # On a log scale what moved backwards stands at the bottom; without it one good design flattens
+    # all others.
+    positive = [value for value in values if value > 0]
+    y = axis_around(positive or [*values, 0.0], _HEIGHT - _BOTTOM, _TOP, log=bool(positive))
     unit = EFFICIENCY_UNIT if objective == "efficiency" else "m"
     parts = [_axes(x, y, "evaluations", f"{objective} in {unit}")]
 
@@ -83,7 +84,7 @@ def fitness_over_volume(summary: Summary) -> str:
     fitness = [e.fitness or 0.0 for _, e in shown]
     volume = [e.volume or 0.0 for _, e in shown]
     x = axis_around(volume, _LEFT, _WIDTH - _RIGHT, log=True)
-    y = axis_around(_visible(fitness), _HEIGHT - _BOTTOM, _TOP)
+    y = axis_around([*fitness, 0.0], _HEIGHT - _BOTTOM, _TOP)
     parts = [_axes(x, y, "volume in m³", "fitness in m"), *_equal_efficiency(x, y)]
     for place, evaluation in shown:
         kind = place.changed if place.stage == "final" else place.stage
@@ -119,7 +120,7 @@ def _equal_efficiency(x: Axis, y: Axis) -> list[str]:
         end_x, end_y = x.at(points[-1][0]), y.at(points[-1][1])
         parts.append(
             element("polyline", points=path, klass="equal")
-            + text(number(efficiency, 1), end_x - 4, end_y + 11, text_anchor="end", klass="note")
+            + text(short(efficiency), end_x - 4, end_y + 11, text_anchor="end", klass="note")
         )
     return parts
 
@@ -130,13 +131,13 @@ def _axes(x: Axis, y: Axis, x_name: str, y_name: str) -> str:
         at = x.at(value)
         parts.append(
             element("line", x1=at, x2=at, y1=y.start, y2=y.end, klass="grid")
-            + text(number(value, 2), at, y.start + 16, text_anchor="middle", klass="tick")
+            + text(short(value), at, y.start + 16, text_anchor="middle", klass="tick")
         )
     for value in y.ticks():
         at = y.at(value)
         parts.append(
             element("line", x1=x.start, x2=x.end, y1=at, y2=at, klass="grid")
-            + text(number(value, 2), x.start - 6, at + 4, text_anchor="end", klass="tick")
+            + text(short(value), x.start - 6, at + 4, text_anchor="end", klass="tick")
         )
     middle = (y.start + y.end) / 2
     parts.append(text(x_name, (x.start + x.end) / 2, _HEIGHT - 8, text_anchor="middle"))
@@ -144,8 +145,3 @@ def _axes(x: Axis, y: Axis, x_name: str, y_name: str) -> str:
         text(y_name, 14, middle, text_anchor="middle", transform=f"rotate(-90 14 {middle:.0f})")
     )
     return "".join(parts)
-
-
-def _visible(values: Sequence[float]) -> list[float]:
-    """Return values for an axis: 0 always among them where some are negative or near it."""
-    return [*values, 0.0] if min(values) <= 0 else list(values)

@@ -11,6 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
+_LARGEST = 1.2
+"""A picture is never shown larger than this, or its texts would outgrow the page's."""
+
 
 def element(name: str, content: str = "", /, **attributes: object) -> str:
     """Return one element. Attribute names use `_` for `-`; `klass` stands for `class`.
@@ -47,6 +50,7 @@ def figure(width: float, height: float, title: str, parts: Sequence[str]) -> str
         role="img",
         aria_label=title,
         klass="figure",
+        style=f"max-width:{_LARGEST * width:.0f}px",
     )
 
 

@@ -23,6 +23,11 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{rounded:,.{max(0, places)}f}"
 
 
+def short(value: float) -> str:
+    """Return a round number, a bound or a tick, without needless zeros."""
+    return f"{value:,.6g}" if abs(value) < 1e6 else number(value)
+
+
 def with_spread(measured: Spread, unit: str = "") -> str:
     """Return `mean ± std unit (n seeds)`."""
     text = number(measured.mean)

@@ -1,0 +1,68 @@
+"""`robomore play`: a trained design in motion, in a window where there is one, else as a video."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from robomore.cli.inputs import positive
+
+
+def play(
+    design: Path,
+    /,
+    *,
+    out: Path | None = None,
+    seconds: int = 15,
+    seed: int = 0,
+    drawn: Annotated[bool, Parameter(negative="")] = False,
+) -> None:
+    """Watch a champion move.
+
+    Parameters
+    ----------
+    design
+        A run's folder, or a folder with `design.json` and `policy.npz` (a run's `champion/`, or
+        what `robomore evaluate --out` left).
+    out
+        Write a video into this file (.mp4 needs imageio-ffmpeg; .webp and .gif work anywhere)
+        instead of opening a window.
+    seconds
+        Length of the video at most.
+    seed
+        Of the episode's start.
+    drawn
+        Draw the video without OpenGL, even where OpenGL works.
+    """
+    from robomore.cli.performer import find_performer
+    from robomore.cli.recording import record
+    from robomore.cli.video import default_path, refuse_format, write_video
+
+    positive(seconds=seconds)
+    if out is not None:
+        refuse_format(out)
+    performer = find_performer(design)
+    recording = record(performer, seed)
+    said = f"{performer.title}: {recording.told}"
+    if out is None and not drawn and _has_screen():
+        from robomore.cli.window import show_in_window
+
+        sys.stdout.write(f"{said}; close the window to end\n")
+        sys.stdout.flush()
+        if show_in_window(recording):
+            return
+        sys.stderr.write("no window could be opened; writing a video instead\n")
+    path = out or default_path(performer.name)
+    sys.stderr.write(f"writing {path} …\n")
+    write_video(recording, path, seconds, drawn)
+    sys.stdout.write(f"{said}\nvideo: {path}\n")
+
+
+def _has_screen() -> bool:
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
