@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -125,6 +127,15 @@ def test_failures_are_counted_and_quoted_once() -> None:
     assert told.score is None
     assert "On another body, 4 of 4 failed, for example:" in told.text
     assert told.text.count(f"failed ({Status.REWARD_FAILED.value})") == 2
+
+
+def test_tracebacks_of_our_own_stay_here() -> None:
+    ours = replace(
+        evaluation(body(), reward(), None, 'Traceback: File "/home/me/robomore/evaluate.py"'),
+        status=Status.FAILED,
+    )
+    (told,) = bodies(SWIMMER, "efficiency", reward(), [ours])
+    assert "/home" not in told.text and "nothing to do with the design" in told.text
 
 
 def test_a_long_diagnosis_is_cut() -> None:

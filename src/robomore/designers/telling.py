@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robomore.tasks.task import Task
-from robomore.types import Evaluation, Morphology, Reward
+from robomore.types import Evaluation, Morphology, Reward, Status
 
 _LONGEST_DIAGNOSIS = 300
 _LISTED = 6
@@ -70,6 +70,9 @@ def score(evaluation: Evaluation) -> str:
 
 def failure(evaluation: Evaluation) -> str:
     """Return why an evaluation gave nothing, in one line."""
+    if evaluation.status is Status.FAILED:
+        # The diagnosis is a traceback with this machine's file names, and tells a designer nothing.
+        return "failed for a reason that has nothing to do with the design"
     said = " ".join(evaluation.diagnosis.split())
     if len(said) > _LONGEST_DIAGNOSIS:
         said = said[:_LONGEST_DIAGNOSIS] + "…"
