@@ -78,7 +78,7 @@ def test_reply(path: Path) -> None:
             robot = type("Robot", (), {"data": type("Data", (), {"time": 0.0})})()
             reward, terms = scope["_get_rew"](robot, 2.0, np.ones(2))
             assert reward == pytest.approx(1.98) and set(terms) == {"speed", "effort"}
-    assert time.monotonic() - started < 2.0
+    assert time.monotonic() - started < 10.0
 
 
 def test_the_corpus_is_a_corpus() -> None:
