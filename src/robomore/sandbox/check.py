@@ -190,6 +190,8 @@ def _attributes(node: ast.AST) -> Iterator[Finding]:
         return
     if _dunder(node.attr) or node.attr in _FRAMES:
         yield Finding(node.lineno, "error", f"`.{node.attr}` is not for rewards")
+    if node.attr in ("tofile", "dump"):
+        yield Finding(node.lineno, "error", f"`.{node.attr}` writes a file; a reward cannot")
     root = _root(node)
     if root in ("np", "numpy") and node.attr in _NUMPY_DOORS:
         yield Finding(
@@ -220,6 +222,9 @@ _NUMPY_DOORS = frozenset(
 )
 
 
+_WAYS_OUT = (ast.Break, ast.Return, ast.Raise, ast.Yield)
+
+
 def _statements(node: ast.AST) -> Iterator[Finding]:
     match node:
         case ast.Global() | ast.Nonlocal():
@@ -231,7 +236,7 @@ def _statements(node: ast.AST) -> Iterator[Finding]:
                 "compute from self, x_velocity and action alone",
             )
         case ast.While(test=ast.Constant(value=value)) if value and not any(
-            isinstance(inner, ast.Break | ast.Return) for inner in ast.walk(node)
+            isinstance(inner, _WAYS_OUT) for inner in ast.walk(node)
         ):
             yield Finding(node.lineno, "error", "this loop never ends")
         case ast.AsyncFunctionDef() | ast.Await() | ast.AsyncFor() | ast.AsyncWith():
@@ -254,6 +259,8 @@ def _writes(node: ast.AST) -> Iterator[Finding]:
             if not isinstance(part.ctx, ast.Store | ast.Del):
                 continue
             path = _path(part)
+            if not path and isinstance(part, ast.Attribute):
+                yield Finding(node.lineno, "error", f"changes `{ast.unparse(part)}`")
             if path[:2] in (["self", "data"], ["self", "model"], ["self", "unwrapped"]):
                 yield Finding(
                     node.lineno,

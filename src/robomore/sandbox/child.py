@@ -96,6 +96,8 @@ def _fault(error: BaseException) -> tuple[str, str]:
     """Return status and diagnosis of what `error` means for the evaluation."""
     from robomore.sandbox.load import explain, reward_line
 
+    if isinstance(error.__cause__, MemoryError):
+        return Status.OUT_OF_MEMORY, str(error)[:_LONGEST]
     for kind, status in _STATUS.items():
         if isinstance(error, kind):
             said = explain(error) if kind is MemoryError else str(error)

@@ -1,0 +1,33 @@
+"""Prints the table of attempts against outcomes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import pytest
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    reports = [
+        report
+        for outcome in ("passed", "failed")
+        for report in terminalreporter.stats.get(outcome, [])
+        if "breaches" in dict(report.user_properties)
+    ]
+    if not reports:
+        return
+    rows = sorted(
+        (report.nodeid.partition("[")[2][:-1], dict(report.user_properties)) for report in reports
+    )
+    terminalreporter.section("strangers")
+    if config.get_verbosity() > 0:
+        for name, facts in rows:
+            terminalreporter.write_line(
+                f"{name:36} {facts['attempt'][:52]:53} check: {facts['check']:8} "
+                f"{facts['outcome']:15} got across: {facts['breaches']}"
+            )
+    outcomes = Counter(facts["outcome"] for _, facts in rows)
+    across = sum(facts["breaches"] != "none" for _, facts in rows)
+    said = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.most_common())
+    terminalreporter.write_line(f"{len(rows)} strangers: {said}; got across: {across}")

@@ -1,0 +1,7 @@
+# attempt: add up a series that never ends
+# expect: timed-out
+# check: error
+
+def _get_rew(self, x_velocity, action):
+    import itertools
+    return float(sum(itertools.count())), {}

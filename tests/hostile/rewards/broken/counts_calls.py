@@ -1,0 +1,11 @@
+# attempt: keep a count in a global
+# expect: ok
+# check: error
+
+COUNT = 0
+
+
+def _get_rew(self, x_velocity, action):
+    global COUNT
+    COUNT += 1
+    return float(COUNT), {}

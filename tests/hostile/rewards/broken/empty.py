@@ -1,0 +1,5 @@
+# attempt: is empty
+# expect: invalid-reward
+# check: error
+
+# nothing here

@@ -1,0 +1,7 @@
+# attempt: reseed numpy's random state
+# expect: ok
+# check: warning
+
+def _get_rew(self, x_velocity, action):
+    np.random.seed(0)
+    return float(np.random.random()), {}

@@ -1,0 +1,6 @@
+# attempt: is indented wrongly
+# expect: invalid-reward
+# check: error
+
+def _get_rew(self, x_velocity, action):
+return 0.0, {}

@@ -1,0 +1,9 @@
+# attempt: connect through the C library
+# expect: reward-failed
+# check: error
+
+def _get_rew(self, x_velocity, action):
+    import ctypes
+    if ctypes.CDLL(None).socket(2, 1, 0) < 0:
+        raise PermissionError
+    return 0.0, {}

@@ -1,0 +1,12 @@
+# attempt: write files into the own folder, which is allowed
+# expect: ok
+# check: error
+
+def _get_rew(self, x_velocity, action):
+    import os
+    os.makedirs("notes", exist_ok=True)
+    with open("notes/a.txt", "w") as file:
+        file.write("allowed")
+    os.replace("notes/a.txt", "notes/b.txt")
+    os.remove("notes/b.txt")
+    return 0.0, {}

@@ -1,0 +1,130 @@
+"""The check says what is wrong with a reward, in which line, and lets good ones pass."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robomore.sandbox.check import LONGEST, Finding, check_reward
+from robomore.tasks import TASKS
+
+GOOD = '''
+import numpy as np
+from typing import Dict, Tuple
+
+
+def _get_rew(self, x_velocity: float, action) -> Tuple[float, Dict[str, float]]:
+    """Fast, upright and smooth."""
+    height = self.data.qpos[2]
+    upright = np.exp(-4.0 * (height - 0.6) ** 2)
+    terms = {"forward": x_velocity, "upright": upright, "effort": -self.control_cost(action)}
+    total = 0.0
+    for name, value in terms.items():
+        total += value
+    if not np.isfinite(total):
+        return 0.0, terms
+    return total, terms
+'''
+
+
+def errors(source: str) -> list[Finding]:
+    return [finding for finding in check_reward(source) if finding.severity == "error"]
+
+
+def body(text: str) -> str:
+    lines = "".join(f"    {line}\n" for line in text.splitlines())
+    return f"def _get_rew(self, x_velocity, action):\n{lines}"
+
+
+def test_a_good_reward_passes_without_a_word() -> None:
+    assert check_reward(GOOD) == []
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_reference_rewards_pass(task: str) -> None:
+    assert check_reward(TASKS[task].reward) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("import os\nreturn 0.0, {}", 2, "cannot import `os`"),
+        ("from os.path import join\nreturn 0.0, {}", 2, "cannot import `os.path`"),
+        ("from . import x\nreturn 0.0, {}", 2, "cannot import"),
+        ("x = 1\nopen('f')\nreturn 0.0, {}", 3, "`open`"),
+        ("eval('1')\nreturn 0.0, {}", 2, "`eval`"),
+        ("x = __import__('os')\nreturn 0.0, {}", 2, "`__import__`"),
+        ("x = getattr(self, '__class__')\nreturn 0.0, {}", 2, "name the attribute"),
+        ("x = getattr(self, 'a' + 'b')\nreturn 0.0, {}", 2, "name the attribute"),
+        ("x = self.__class__\nreturn 0.0, {}", 2, "`.__class__`"),
+        ("x = y.gi_frame\nreturn 0.0, {}", 2, "`.gi_frame`"),
+        ("np.save('f', action)\nreturn 0.0, {}", 2, "`np.save`"),
+        ("action.tofile('f')\nreturn 0.0, {}", 2, "`.tofile`"),
+        ("np.ctypeslib.load_library('x', '.')\nreturn 0.0, {}", 2, "`np.ctypeslib`"),
+        ("global x\nx = 1\nreturn 0.0, {}", 2, "`global`"),
+        ("while True:\n    x = 1\nreturn 0.0, {}", 2, "never ends"),
+        ("self.data.qpos[0] = 1.0\nreturn 0.0, {}", 2, "writes to `self.data`"),
+        ("self.model.opt.gravity[2] += 1.0\nreturn 0.0, {}", 2, "writes to `self.model`"),
+        ("np.sum = None\nreturn 0.0, {}", 2, "changes `np.sum`"),
+        ("type(self).step = None\nreturn 0.0, {}", 2, "changes"),
+        ("x = 1.0", 1, "returns nothing"),
+        ("return x_velocity * 2.0", 2, "return a pair"),
+        ("return {}, 1.0, 2.0", 2, "return a pair"),
+        ("return", 2, "return a pair"),
+        ("yield 0.0, {}", 1, "not yield"),
+    ],
+)
+def test_says_what_is_wrong_and_where(text: str, line: int, words: str) -> None:
+    found = errors(body(text))
+    assert any(it.line == line and words in it.message for it in found), found
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("def _get_rew(self, x_velocity, action)\n    return 0.0, {}", "does not parse"),
+        ("def reward(self, x_velocity, action):\n    return 0.0, {}", "define `def _get_rew"),
+        ("class A:\n    def _get_rew(self, v, a):\n        return 0.0, {}", "not inside a class"),
+        ("def _get_rew(self, action):\n    return 0.0, {}", "must take (self, x_velocity, action)"),
+        ("def _get_rew(self, v, a, *, w):\n    return 0.0, {}", "must take"),
+        ("async def _get_rew(self, v, a):\n    return 0.0, {}", "not `async`"),
+        ("@f\ndef _get_rew(self, v, a):\n    return 0.0, {}", "must not be decorated"),
+        (f"{body('return 0.0, {}')}{body('return 0.0, {}')}", "defined twice"),
+        ("x = 1 #" + "x" * LONGEST, "too many"),
+        ("x = '\0'", "does not parse"),
+        ("x = " + "(" * 5000, "does not parse"),
+        ("x = " + "-" * 40_000 + "1", "does not parse"),
+        ("x = 1" + "+1" * 20_000, "does not parse"),
+    ],
+)
+def test_says_what_is_wrong_with_the_whole(source: str, words: str) -> None:
+    assert any(words in finding.message for finding in errors(source))
+
+
+def test_warns_of_what_is_allowed_and_odd() -> None:
+    found = check_reward(body("print(1)\nself.last = np.random.rand()\nreturn 0.0, {}"))
+    assert {(it.line, it.severity) for it in found} == {(2, "warning"), (3, "warning")}
+    assert len(found) == 3
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def inner(x):\n    return x\nreturn inner(x_velocity), {}",
+        "terms = {}\nreturn sum(terms.values()), terms",
+        "result = (0.0, {})\nreturn result",
+        "while True:\n    if x_velocity > 0:\n        break\nreturn 0.0, {}",
+        "return self.shaped(x_velocity)",
+    ],
+)
+def test_does_not_cry_wolf(text: str) -> None:
+    assert errors(body(text)) == []
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.text(max_size=200))
+def test_never_fails_itself(source: str) -> None:
+    for finding in check_reward(source):
+        assert finding.line >= 1
+        assert finding.message

@@ -1,0 +1,50 @@
+"""Frames survive being cut anywhere; nonsense is refused and never hoarded."""
+
+from __future__ import annotations
+
+import os
+import struct
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robomore.sandbox.wire import (
+    MAX_BODY,
+    Frames,
+    Kind,
+    MalformedFrame,
+    pack_number,
+    send,
+    unpack_number,
+)
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from(Kind), st.binary(max_size=50)), max_size=8),
+    st.integers(1, 40),
+)
+def test_cut_anywhere(sent: list[tuple[Kind, bytes]], piece: int) -> None:
+    reader, writer = os.pipe()
+    for kind, body in sent:
+        send(writer, kind, body)
+    os.close(writer)
+    frames, found = Frames(), []
+    while arrived := os.read(reader, piece):
+        found += frames.feed(arrived)
+    os.close(reader)
+    assert found == sent
+
+
+@pytest.mark.parametrize(
+    "nonsense", [b"\xff" * 5, struct.pack("<BI", Kind.REPLY, MAX_BODY + 1), b"\0" * 9]
+)
+def test_nonsense_is_refused(nonsense: bytes) -> None:
+    with pytest.raises(MalformedFrame):
+        Frames().feed(nonsense)
+
+
+def test_numbers() -> None:
+    assert unpack_number(pack_number(-(2**40))) == -(2**40)
+    with pytest.raises(MalformedFrame):
+        unpack_number(b"1234")
