@@ -23,7 +23,7 @@ TEMPLATE = """\
   <default>
     <joint armature="0.1"/>
     <geom contype="0" conaffinity="0" rgba="0.25 0.45 0.40 1"/>
-    <motor ctrllimited="true" ctrlrange="-1 1" gear="150"/>
+    <motor ctrllimited="true" ctrlrange="-1 1" gear="60"/>
   </default>
   <worldbody>
     <light directional="true" dir="0 0 -1" pos="0 0 4"/>
