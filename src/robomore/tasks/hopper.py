@@ -34,6 +34,14 @@ REWARD = '''def _get_rew(self, x_velocity, action):
     return reward, terms
 '''
 
+LOWEST_POINTS = {
+    "torso_radius": "hip_height",
+    "thigh_radius": "knee_height",
+    "leg_radius": "ankle_height",
+    "foot_radius": "ankle_height",
+}
+"""Each part's radius, and the height of its lower end."""
+
 HEIGHTS = ("torso_top", "hip_height", "knee_height", "ankle_height")
 
 
@@ -96,18 +104,12 @@ def _foot_too_short(values: Values) -> str | None:
 
 
 def _starts_in_ground(values: Values) -> str | None:
-    ankle = values["ankle_height"]
     deep = [
-        f"{name} = {values[name]:g} m"
-        for name in ("leg_radius", "foot_radius")
-        if values[name] > ankle
+        f"{radius} = {values[radius]:g} m is more than {height} = {values[height]:g} m"
+        for radius, height in LOWEST_POINTS.items()
+        if values[radius] > values[height]
     ]
-    if not deep:
-        return None
-    return (
-        f"{' and '.join(deep)} reaches into the ground at the start; a radius there may be at "
-        f"most ankle_height = {ankle:g} m"
-    )
+    return f"{'; '.join(deep)}, which reaches into the ground at the start" if deep else None
 
 
 def _overlap(values: Values) -> str | None:
@@ -141,8 +143,8 @@ STANDING_RULES = (
     ),
     Rule(f"foot_front - foot_back >= {LEAST_FOOT:g} m", _foot_too_short),
     Rule(
-        "no part may reach into the ground at the start: leg_radius and foot_radius <= "
-        "ankle_height",
+        "no part may reach into the ground at the start: "
+        + ", ".join(f"{radius} <= {height}" for radius, height in LOWEST_POINTS.items()),
         _starts_in_ground,
     ),
 )

@@ -1,0 +1,140 @@
+"""What holds for any body that a task accepts."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+from bodies import at, random_body
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from robomore.errors import InvalidMorphology
+from robomore.tasks import TASKS, Task, get_task
+from robomore.tasks.compile import body_facts, compile_model
+from robomore.tasks.hopper import LOWEST_TORSO
+from robomore.tasks.swimmer import least_radius
+
+SEEDS = st.integers(0, 2**32 - 1)
+FRAME_SKIP = {"ant": 5, "hopper": 4, "half-cheetah": 5, "swimmer": 4, "walker": 4}
+CONTROL_STEPS = 200
+
+slow = settings(
+    max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
+quick = settings(max_examples=15, deadline=None, derandomize=True)
+
+
+@pytest.mark.parametrize("id", TASKS)
+@slow
+@given(seed=SEEDS)
+def test_any_valid_body_compiles_and_simulates(id: str, seed: int) -> None:
+    task = get_task(id)
+    model = compile_model(task, random_body(task, seed))
+    data = mujoco.MjData(model)
+    random = np.random.default_rng(seed)
+    steps = FRAME_SKIP[next(name for name in FRAME_SKIP if id.startswith(name))]
+    for step in range(CONTROL_STEPS):
+        if step % 4 == 0:  # full torques, held: harder than what noise does
+            data.ctrl[:] = random.choice([-1, 1], model.nu)
+        mujoco.mj_step(model, data, nstep=steps)
+    assert np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()
+    assert not [warning.lastinfo for warning in data.warning if warning.number]
+
+
+@pytest.mark.parametrize("id", TASKS)
+@quick
+@given(seed=SEEDS)
+def test_facts_are_positive_and_agree(id: str, seed: int) -> None:
+    task = get_task(id)
+    body = random_body(task, seed)
+    facts = body_facts(task, body)
+    assert facts["volume"] > 0 and facts["mass"] > 0
+    assert facts["mass"] == pytest.approx(facts["density"] * facts["volume"])
+    expected = 14 / facts["volume"] if id == "half-cheetah" else 5 if "ant" in id else 1000
+    assert facts["density"] == pytest.approx(expected, rel=1e-6)
+    assert facts["rest_height"] > 0 or id == "swimmer"
+
+
+@pytest.mark.parametrize("id", TASKS)
+@quick
+@given(seed=SEEDS)
+def test_volume_is_that_of_the_simulated_parts(id: str, seed: int) -> None:
+    """Computed without MuJoCo, and here from the model that MuJoCo made."""
+    task = get_task(id)
+    body = random_body(task, seed)
+    model = compile_model(task, body)
+    parts = model.geom_bodyid > 0
+    radius, half = model.geom_size[parts, :2].T
+    balls = model.geom_type[parts] == mujoco.mjtGeom.mjGEOM_SPHERE
+    rods = np.where(balls, 0, 2 * half)
+    expected = np.sum(np.pi * radius**2 * (rods + 4 / 3 * radius))
+    assert task.volume(body) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("id", TASKS)
+@quick
+@given(seed=SEEDS, share=st.floats(0, 1), data=st.data())
+def test_volume_grows_with_every_radius(
+    id: str, seed: int, share: float, data: st.DataObject
+) -> None:
+    task = get_task(id)
+    body = dict(zip(task.names, random_body(task, seed), strict=True))
+    name = data.draw(st.sampled_from([name for name in task.names if name.endswith("radius")]))
+    parameter = task.parameters[task.names.index(name)]
+    thicker = max(at(parameter, share), body[name])
+    try:
+        volume = task.volume(body | {name: thicker})
+    except InvalidMorphology:
+        return
+    assert volume >= task.volume(body)
+    assert (volume > task.volume(body)) == (thicker > body[name])
+
+
+@pytest.mark.parametrize("id", TASKS)
+@quick
+@given(seed=SEEDS, by=st.floats(1e-6, 1e3), data=st.data())
+def test_outside_the_bounds_is_refused(id: str, seed: int, by: float, data: st.DataObject) -> None:
+    task = get_task(id)
+    body = list(random_body(task, seed))
+    index = data.draw(st.integers(0, len(body) - 1))
+    parameter = task.parameters[index]
+    body[index] = data.draw(st.sampled_from([parameter.low - by, parameter.high + by]))
+    with pytest.raises(InvalidMorphology, match=parameter.name):
+        task.check(body)
+
+
+@pytest.mark.parametrize("id", ["hopper", "walker", "ant"])
+@quick
+@given(seed=SEEDS)
+def test_nobody_is_born_unhealthy(id: str, seed: int) -> None:
+    """Whatever the reset noise (0.1 m for Ant, 0.005 m for the others)."""
+    task = get_task(id)
+    body = random_body(task, seed)
+    low, high = task.options(task.named(body))["healthy_z_range"]
+    height = body_facts(task, body)["rest_height"]
+    noise = 0.1 if id == "ant" else 0.005
+    assert low <= height - noise and height + noise <= high
+
+
+@pytest.mark.parametrize("id", [id for id in TASKS if id not in ("swimmer", "half-cheetah")])
+@quick
+@given(seed=SEEDS)
+def test_nothing_starts_in_the_ground_or_in_itself(id: str, seed: int) -> None:
+    task: Task = get_task(id)
+    model = compile_model(task, random_body(task, seed))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert not data.ncon or data.contact.dist.min() >= -1e-9
+
+
+@given(shortest=st.floats(0.1, 3))
+def test_least_radius_of_a_swimmer(shortest: float) -> None:
+    assert 0.01 <= least_radius(shortest) <= 0.03
+    assert least_radius(shortest) <= max(0.01, 0.017 / shortest)
+
+
+def test_half_the_height_is_the_official_limit() -> None:
+    assert math.isclose(LOWEST_TORSO * 1.25, 0.7)

@@ -1,0 +1,239 @@
+"""The tasks as values: their figures, what they accept and what they say when they refuse."""
+
+from __future__ import annotations
+
+import ast
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robomore.errors import InputError, InvalidMorphology
+from robomore.tasks import TASKS, Task, all_tasks, get_task, registry
+
+VOLUMES = {
+    "ant": 0.182176,
+    "ant-powered": 0.182176,
+    "ant-desert": 0.182176,
+    "ant-jump": 0.182176,
+    "hopper": 0.015820,
+    "half-cheetah": 0.021184,
+    "swimmer": 0.106814,
+    "walker": 0.023677,
+}
+
+
+@pytest.fixture(params=TASKS.values(), ids=TASKS)
+def task(request: pytest.FixtureRequest) -> Task:
+    chosen: Task = request.param
+    return chosen
+
+
+def test_the_eight_tasks_are_there() -> None:
+    assert list(TASKS) == list(VOLUMES)
+    assert all(task.id == id for id, task in TASKS.items())
+
+
+def test_human_volume(task: Task) -> None:
+    assert round(task.volume(task.human), 6) == VOLUMES[task.id]
+
+
+def test_human_body_is_a_valid_one_given_either_way(task: Task) -> None:
+    assert task.check(task.human) == task.human
+    assert task.check(dict(zip(task.names, task.human, strict=True))) == task.human
+
+
+def test_parameters_are_described_and_bounded(task: Task) -> None:
+    assert len(set(task.names)) == len(task.names)
+    for parameter in task.parameters:
+        assert parameter.low < parameter.human < parameter.high or parameter.human in (
+            parameter.low,
+            parameter.high,
+        )
+        assert parameter.meaning and parameter.unit == "m"
+        assert parameter.scale == "linear" or parameter.low > 0
+
+
+@pytest.mark.parametrize("count", [0, 5, 25])
+def test_wrong_count_says_how_many_it_takes(task: Task, count: int) -> None:
+    with pytest.raises(InvalidMorphology, match=rf"{count} .* takes {len(task.names)}"):
+        task.check([0.1] * count)
+
+
+def test_out_of_bounds_names_parameter_value_and_bound(task: Task) -> None:
+    parameter = task.parameters[0]
+    body = dict(zip(task.names, task.human, strict=True)) | {parameter.name: 17.25}
+    with pytest.raises(InvalidMorphology) as refused:
+        task.check(body)
+    for said in (task.id, parameter.name, "17.25", f"{parameter.low:g}", f"{parameter.high:g}"):
+        assert said in str(refused.value)
+
+
+def test_no_number_is_refused(task: Task) -> None:
+    with pytest.raises(InvalidMorphology, match="nan"):
+        task.check([math.nan, *task.human[1:]])
+    with pytest.raises(InvalidMorphology, match="not a number"):
+        task.check(["wide", *task.human[1:]])  # type: ignore[list-item]
+
+
+VIOLATIONS: list[tuple[str, int, dict[str, float], tuple[str, ...]]] = [
+    ("ant", 0, {"foot_x": 0.01, "foot_y": 0.02}, ("foot_x = 0.01", "foot_y = 0.02", "0.2 m")),
+    ("ant", 1, {"torso_radius": 0.48, "foot_x": 0.1}, ("torso_radius = 0.48", "0.4623")),
+    ("ant", 2, {"leg_x": 1.5}, ("leg_x = 1.5", "hip_x = 0.2", "0.454")),
+    ("hopper", 0, {"knee_height": 1.2}, ("knee_height = 1.2", "hip_height = 1.05", "0.05")),
+    ("hopper", 1, {"foot_back": 0.0, "foot_front": 0.01}, ("foot_front = 0.01", "0.02")),
+    ("hopper", 2, {"foot_radius": 0.2}, ("foot_radius = 0.2", "ankle_height = 0.1")),
+    ("hopper", 3, {"torso_radius": 0.25, "leg_radius": 0.1, "hip_height": 0.9},
+     ("torso_radius", "0.35", "hip_height - knee_height = 0.3")),
+    ("walker", 0, {"torso_top": 1.06}, ("torso_top = 1.06", "hip_height = 1.05", "0.05")),
+    ("walker", 1, {"foot_front": 0.0}, ("foot_front = 0", "0.02")),
+    ("walker", 2, {"leg_radius": 0.15}, ("leg_radius = 0.15", "ankle_height = 0.1")),
+    ("swimmer", 0, {"back_radius": 0.012}, ("back_radius = 0.012", "front_length = 1", "0.017")),
+    ("half-cheetah", 0, {"head_x": 0.01, "head_z": 0.0}, ("head_x = 0.01", "0.03")),
+    ("half-cheetah", 1, {"front_foot_z": 0.5}, ("front_foot_z", "0.09419", "0 m")),
+    ("half-cheetah", 2, {"back_thigh_z": -0.9, "back_shin_z": 0.4},
+     ("back_thigh_z = -0.9", "-0.6812")),
+    ("half-cheetah", 3, {"back_thigh_z": 0.2, "front_thigh_z": 0.2, "head_radius": 0.2},
+     ("head_radius = 0.2", "0.1142")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("id", "index", "changes", "said"), VIOLATIONS)
+def test_each_rule_names_parameters_values_and_bound(
+    id: str, index: int, changes: dict[str, float], said: tuple[str, ...]
+) -> None:
+    task = get_task(id)
+    body = dict(zip(task.names, task.human, strict=True))
+    assert task.rules[index].violation(body) is None
+    fault = task.rules[index].violation(body | changes)
+    assert fault is not None
+    for words in said:
+        assert words in fault
+    with pytest.raises(InvalidMorphology):
+        task.check(body | changes)
+
+
+def test_every_rule_is_tried_above() -> None:
+    tried = {(id, index) for id, index, _, _ in VIOLATIONS}
+    families = {task.id: task for task in TASKS.values() if not task.id.startswith("ant-")}
+    assert tried == {(id, i) for id, task in families.items() for i in range(len(task.rules))}
+    assert all(TASKS[id].rules == TASKS["ant"].rules for id in TASKS if id.startswith("ant-"))
+
+
+def test_rewards_are_the_official_formulas(task: Task) -> None:
+    speed, height_rate, action = 1.7, -0.4, np.array([0.5, -1.0])
+    robot: Any = SimpleNamespace(
+        _forward_reward_weight=1.25,
+        healthy_reward=0.8,
+        contact_cost=0.03,
+        control_cost=lambda given: 0.5 * np.sum(np.square(given)),
+        data=SimpleNamespace(qvel=np.array([9.0, 9.0, height_rate])),
+    )
+    space: dict[str, Any] = {}
+    exec(task.reward, space)
+    reward, terms = space["_get_rew"](robot, speed, action)
+    expected = 1.25 * (height_rate if task.id == "ant-jump" else speed) - 0.625
+    if task.id not in ("swimmer", "half-cheetah"):
+        expected += 0.8
+    if task.id.startswith("ant"):
+        expected -= 0.03
+    assert reward == pytest.approx(expected, abs=1e-12)
+    assert sum(terms.values()) == pytest.approx(reward, abs=1e-12)
+
+
+def test_rewards_define_one_function(task: Task) -> None:
+    (function,) = ast.parse(task.reward).body
+    assert isinstance(function, ast.FunctionDef)
+    assert [argument.arg for argument in function.args.args] == ["self", "x_velocity", "action"]
+
+
+def test_healthy_ranges() -> None:
+    def options(id: str) -> dict[str, Any]:
+        task = get_task(id)
+        return task.options(task.named(task.human))
+
+    assert options("ant") == {"healthy_z_range": (0.1, 2.3)}
+    assert options("ant-powered") == {"healthy_z_range": (0, 10)}
+    assert options("ant-desert") == {"healthy_z_range": (-10, 10)}
+    assert options("ant-jump") == {"healthy_z_range": (0, 100)}
+    for id in ("hopper", "walker"):
+        low, high = options(id)["healthy_z_range"]
+        assert low == pytest.approx(0.7) and high == math.inf
+        assert options(id)["healthy_angle_range"] == (-2, 2)
+    assert options("hopper")["healthy_state_range"] == (-100, 100)
+    assert options("swimmer") == options("half-cheetah") == {}
+
+
+def test_variants_of_ant_differ_only_where_they_should() -> None:
+    ant = get_task("ant")
+    for id, changed in (
+        ("ant-powered", {"constants": {"gear": 300.0}}),
+        ("ant-desert", {"terrain", "template"}),
+        ("ant-jump", {"fitness", "reward"}),
+    ):
+        variant = get_task(id)
+        same = {"parameters", "rules", "shapes", "environment", "constants", "template", "reward"}
+        for name in same - set(changed):
+            assert getattr(variant, name) == getattr(ant, name), name
+    assert get_task("ant-powered").constants["gear"] == 2 * ant.constants["gear"]
+    assert get_task("ant-jump").fitness == "height"
+    assert "jump" in get_task("ant-jump").description
+
+
+def test_unknown_task_suggests_the_nearest() -> None:
+    with pytest.raises(InputError, match=r"Did you mean 'half-cheetah'.*ant, ant-powered"):
+        get_task("halfcheetah")
+    with pytest.raises(InputError, match=r"no task is called 'zzz'\. Tasks: ant"):
+        get_task("zzz")
+
+
+def test_two_tasks_of_one_name_are_refused() -> None:
+    with pytest.raises(InputError, match="two tasks are called 'ant'"):
+        registry.by_id([TASKS["ant"], TASKS["ant"]])
+
+
+class Entry:
+    """An entry point of another package."""
+
+    name, value, dist = "theirs", "their.module:TASK", None
+
+    def __init__(self, found: object) -> None:
+        self.found = found
+
+    def load(self) -> object:
+        if isinstance(self.found, Exception):
+            raise self.found
+        return self.found
+
+
+def offer(monkeypatch: pytest.MonkeyPatch, found: object) -> None:
+    all_tasks.cache_clear()
+    monkeypatch.setattr(registry, "entry_points", lambda group: [Entry(found)])
+    monkeypatch.setattr(registry, "all_tasks", registry.all_tasks.__wrapped__)
+
+
+def test_other_packages_add_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
+    theirs = replace(TASKS["swimmer"], id="eel")
+    offer(monkeypatch, theirs)
+    assert get_task("eel") is theirs
+    assert get_task("ant") is TASKS["ant"]
+    assert "eel" not in TASKS
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        (ImportError("no module named their"), "theirs = their.module:TASK does not load: Import"),
+        ("a text", "theirs = their.module:TASK is a str, no Task"),
+        (TASKS["ant"], "two tasks are called 'ant'"),
+    ],
+)
+def test_broken_additions_are_named(
+    monkeypatch: pytest.MonkeyPatch, found: object, said: str
+) -> None:
+    offer(monkeypatch, found)
+    with pytest.raises(InputError, match=said):
+        get_task("eel")
