@@ -23,6 +23,7 @@ from robomore.errors import (
     InvalidMorphology,
     InvalidReward,
     RewardFailed,
+    TrainingDiverged,
     UnstableSimulation,
 )
 from robomore.sandbox import pulse
@@ -38,6 +39,7 @@ _STATUS: dict[type[BaseException], Status] = {
     InvalidReward: Status.INVALID_REWARD,
     RewardFailed: Status.REWARD_FAILED,
     UnstableSimulation: Status.UNSTABLE,
+    TrainingDiverged: Status.TRAINING_DIVERGED,
     MemoryError: Status.OUT_OF_MEMORY,
 }
 

@@ -74,7 +74,7 @@ def run_contained(
             missing, never emptied here.
         limits: when to give up.
         readable: files and folders it may read besides Python, its packages and RoboMoRe.
-        writable: folders it may write to besides `scratch`.
+        writable: folders it may write to besides `scratch`; made if missing.
         on_progress: told the latest progress, some times a second at most.
         environment: variables it gets besides the allow-list; never put a secret here.
         mode: whether a missing layer is an error.
@@ -85,7 +85,9 @@ def run_contained(
         InputError: a layer is missing and `mode` is strict.
     """
     scratch = scratch.resolve()
-    scratch.mkdir(parents=True, exist_ok=True)
+    folders = [scratch, *(path.resolve() for path in writable)]
+    for folder in folders:
+        folder.mkdir(parents=True, exist_ok=True)
     cpu_seconds = int(_CPU_PER_WALL * limits.wall_seconds) + 1
     header = {
         "function": function,
@@ -93,7 +95,7 @@ def run_contained(
         "lock": Lock(
             parent=os.getpid(),
             readable=tuple(map(str, _needed(function) | {p.resolve() for p in readable})),
-            writable=tuple(map(str, [scratch, os.devnull, *(p.resolve() for p in writable)])),
+            writable=(os.devnull, *map(str, folders)),
             memory_bytes=limits.memory_bytes,
             file_bytes=limits.file_bytes,
             cpu_seconds=cpu_seconds,
@@ -115,10 +117,7 @@ def run_contained(
         follower = Follower(child, frames, page, scratch, limits, cpu_seconds)
         follower.follow(json.dumps(header).encode() + b"\n" + payload, on_progress)
     if follower.refusal is not None:
-        raise InputError(
-            f"this machine cannot contain a stranger's code: {follower.refusal}; "
-            "`--containment relaxed` runs it with the layers that there are"
-        )
+        raise refused(follower.refusal)
     status, diagnosis = follower.verdict or (Status.FAILED, "followed to no end")
     return Contained(
         status,
@@ -128,6 +127,14 @@ def run_contained(
         follower.peak_memory,
         follower.log,
         follower.layers,
+    )
+
+
+def refused(why: str) -> InputError:
+    """Return what is said where strict containment is asked for and cannot be had."""
+    return InputError(
+        f"this machine cannot contain a reward's code: {why}; "
+        "`--containment relaxed` runs it with the layers that there are"
     )
 
 

@@ -11,7 +11,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from robomore.sandbox.contain import Containment, run_contained
+from robomore.errors import InputError
+from robomore.sandbox.contain import Containment, refused, run_contained
 from robomore.sandbox.lock import REQUIRED, Layer
 from robomore.types import Limits, Status
 
@@ -43,9 +44,26 @@ def layers() -> list[Layer]:
     ]
 
 
+def ensure(mode: Containment) -> list[Layer]:
+    """Return the layers, once before a run, so that it refuses at once what it would refuse later.
+
+    Raises:
+        InputError: `mode` is strict and a layer that it asks for is missing.
+    """
+    found = layers()
+    missing = [layer for layer in found if layer.name in REQUIRED and not layer.active]
+    if missing and mode is Containment.STRICT:
+        raise refused("; ".join(f"no layer for {it.name}: {it.detail}" for it in missing))
+    return found
+
+
 def strict_is_possible() -> bool:
     """Say whether this machine has the layers that `Containment.STRICT` asks for."""
-    return {layer.name for layer in layers() if layer.active} >= set(REQUIRED)
+    try:
+        ensure(Containment.STRICT)
+    except InputError:
+        return False
+    return True
 
 
 def attempt(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:

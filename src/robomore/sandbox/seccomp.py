@@ -95,7 +95,16 @@ def restrict() -> str:
     if sys.platform != "linux":
         raise OSError("only Linux has seccomp")
     machine = platform.machine()
-    steps = program(machine, os.getpid())
+    install(program(machine, os.getpid()), machine)
+    return "seccomp"
+
+
+def install(steps: list[Instruction], machine: str) -> None:
+    """Put a filter on all threads of this process, for good.
+
+    Raises:
+        OSError: the kernel refuses, or has no seccomp.
+    """
     code = (_Step * len(steps))(*(_Step(*step) for step in steps))
     filter_ = _Program(len(steps), code)
     library = ctypes.CDLL(None, use_errno=True)
@@ -105,7 +114,6 @@ def restrict() -> str:
     if result:
         error = ctypes.get_errno()
         raise OSError(error, os.strerror(error) if error else "a thread could not be restricted")
-    return "seccomp"
 
 
 class _Step(ctypes.Structure):
