@@ -186,9 +186,11 @@ def test_no_file_names_a_place_that_only_one_machine_has() -> None:
     # Put together here, so that this file does not name them either.
     hosts = ("pypi" + ".org", "python" + "hosted.org", "ana" + "conda.org", "npm" + "js.")
     places = [re.escape(host) for host in hosts]
-    places += [r"/(?:home|Users)/\w", "/root" + "/"]
-    if len(ROOT.parts) > 2:
-        places.append(re.escape(str(ROOT)) + r"\b")
+    places += [
+        rf"(?<!\w){re.escape(str(place))}\b"
+        for place in (ROOT, Path.home())
+        if place.parent != place
+    ]
     pattern = re.compile("|".join(places))
     found = {
         name: hit[0]
