@@ -18,7 +18,7 @@ import msgspec
 from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
 from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import measure
-from robomore.evaluation.request import Request, Training
+from robomore.evaluation.request import Request, believed
 from robomore.evaluation.train import POLICY
 from robomore.sandbox.check import check_reward
 from robomore.sandbox.contain import Containment, run_contained
@@ -95,8 +95,12 @@ def _evaluate(
         return Evaluation(
             key, job, trained.status, trained.diagnosis, body=body, seconds=trained.seconds
         )
-    training = msgspec.json.decode(trained.reply, type=Training)
-    policy = MLPPolicy.load(scratch / POLICY)
+    try:
+        training = believed(trained.reply)
+        policy = MLPPolicy.load(scratch / POLICY)
+    except ValueError as error:
+        said = f"training ended without a fault and left nothing that can be used: {error}"
+        return Evaluation(key, job, Status.CRASHED, said, body=body, seconds=trained.seconds)
     measured = measure(task, parameters, policy, job.episodes, job.seed)
     if request.artifact:
         _keep(policy, Path(request.artifact))

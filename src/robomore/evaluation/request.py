@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import islice
 
+import msgspec
+
+from robomore.sandbox.words import plain
 from robomore.types import Job, TermStatistics
 
 
@@ -42,3 +46,25 @@ class Training:
     steps: int
     terms: dict[str, TermStatistics] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+
+
+def believed(reply: bytes) -> Training:
+    """Return what a child claims, cut to what fits a ledger and a page.
+
+    Raises:
+        ValueError: it is no encoded `Training`.
+    """
+    try:
+        claimed = msgspec.json.decode(reply, type=Training)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+    terms = islice(claimed.terms.items(), _MOST_TERMS)
+    return Training(
+        claimed.steps,
+        {plain(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
+        tuple(plain(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
+    )
+
+
+_MOST_TERMS, _LONGEST_NAME = 64, 100
+_MOST_NOTES, _LONGEST_NOTE = 16, 500

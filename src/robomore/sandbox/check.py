@@ -7,6 +7,7 @@ mistakes into advice. Whoever wants to get past it will. `contain` is what keeps
 from __future__ import annotations
 
 import ast
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
@@ -43,7 +44,9 @@ def check_reward(source: str) -> list[Finding]:
         said = f"{len(source):,} characters are too many for a reward; the most is {LONGEST:,}"
         return [Finding(1, "error", said)]
     try:
-        tree = ast.parse(source)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of odd escapes, which are no business of the user's
+            tree = ast.parse(source)
     except SyntaxError as error:
         return [Finding(error.lineno or 1, "error", f"does not parse: {error.msg}")]
     except (ValueError, RecursionError, MemoryError) as error:

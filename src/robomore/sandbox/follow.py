@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import mmap
 import os
 import re
@@ -13,12 +12,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import IO
 
+import msgspec
+
 from robomore.sandbox import pulse
 from robomore.sandbox.lock import Layer
 from robomore.sandbox.process import Child
 from robomore.sandbox.usage import folder_bytes, usage
 from robomore.sandbox.watchdog import Sight, Verdict, Watchdog
 from robomore.sandbox.wire import Frames, Kind, MalformedFrame, unpack_number
+from robomore.sandbox.words import plain
 from robomore.types import Limits, Status
 
 _TICK = 0.1
@@ -79,7 +81,7 @@ class Follower:
     @property
     def log(self) -> str:
         """The last of what was printed."""
-        return _plain(bytes(self._log).decode(errors="replace"))
+        return plain(bytes(self._log).decode(errors="replace"))
 
     def follow(self, request: bytes, on_progress: Callable[[int], None] | None) -> None:
         """Hand over `request` and stay until the child has ended or has to; then bury it."""
@@ -141,7 +143,7 @@ class Follower:
         try:
             for kind, body in self._frames.feed(arrived):
                 self._take(kind, body)
-        except (MalformedFrame, ValueError) as error:
+        except (ValueError, RecursionError) as error:
             self.verdict = Status.CRASHED, f"sent its parent something that is no reply ({error})"
         return bool(arrived)
 
@@ -150,7 +152,10 @@ class Follower:
             return
         match kind:
             case Kind.LOCKED if not self.layers:
-                self.layers = tuple(Layer(*fields) for fields in json.loads(body))
+                self.layers = tuple(
+                    Layer(*fields)
+                    for fields in msgspec.json.decode(body, type=list[tuple[str, bool, str]])
+                )
             case Kind.REFUSED if not self.layers:
                 self.refusal = body.decode()
                 self.verdict = Status.FAILED, self.refusal
@@ -160,10 +165,10 @@ class Follower:
                 self.reply = body
                 self.verdict = Status.OK, ""
             case Kind.FAULT:
-                status, diagnosis = json.loads(body)
-                if Status(status) is Status.OK or not isinstance(diagnosis, str):
+                status, diagnosis = msgspec.json.decode(body, type=tuple[Status, str])
+                if status is Status.OK:
                     raise MalformedFrame("a fault that is none")
-                self.verdict = Status(status), _plain(diagnosis[:_LONGEST])
+                self.verdict = status, plain(diagnosis[:_LONGEST])
             case _:
                 raise MalformedFrame(f"an unexpected {kind.name}")
 
@@ -221,13 +226,6 @@ class Follower:
 _PLACE = re.compile(r'File "<reward>", line (\d+)')
 _MOST_OF = 0.5
 """Share of the memory limit beyond which a violent death is put down to memory."""
-
-
-def _plain(text: str) -> str:
-    """Return a stranger's words without what could steer a terminal."""
-    return "".join(
-        c if c.isprintable() or c in "\n\t" else "\N{REPLACEMENT CHARACTER}" for c in text
-    )
 
 
 def _ignore(units: int) -> None:

@@ -10,6 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.sandbox.remains import read_arrays
+
+_MOST_BYTES = 64 * 2**20
+"""Size of a policy's file; those trained here have less than 1 MiB."""
+
 
 @dataclass(frozen=True)
 class MLPPolicy:
@@ -42,18 +47,20 @@ class MLPPolicy:
 
     @classmethod
     def load(cls, path: Path) -> MLPPolicy:
-        """Read what `save` wrote. Never unpickles.
+        """Read what `save` wrote, or what a stranger left in its place. Never unpickles.
 
         Raises:
             ValueError: the file is not a policy (missing layers, wrong shapes, non-finite numbers).
         """
-        with np.load(path, allow_pickle=False) as arrays:
-            layers = sum(name.startswith("weight") for name in arrays.files)
-            try:
-                weights = tuple(arrays[f"weight{i}"].astype(np.float32) for i in range(layers))
-                biases = tuple(arrays[f"bias{i}"].astype(np.float32) for i in range(layers))
-            except KeyError as error:
-                raise ValueError(f"{path} is not a policy: {error}") from None
+        arrays = read_arrays(path, _MOST_BYTES)
+        layers = sum(name.startswith("weight") for name in arrays)
+        try:
+            weights = tuple(arrays[f"weight{i}"].astype(np.float32) for i in range(layers))
+            biases = tuple(arrays[f"bias{i}"].astype(np.float32) for i in range(layers))
+        except KeyError as error:
+            raise ValueError(f"{path} is not a policy: {error}") from None
+        if any(array.ndim != 2 for array in weights) or any(array.ndim != 1 for array in biases):
+            raise ValueError(f"{path} is not a policy: its layers are no matrices and vectors")
         if not layers or any(not np.isfinite(array).all() for array in (*weights, *biases)):
             raise ValueError(f"{path} is not a policy: no layers, or numbers that are not finite")
         joined = all(a.shape[1] == b.shape[0] for a, b in pairwise(weights))

@@ -1,0 +1,13 @@
+# attempt: write a fault in words that cannot be encoded
+# expect: failed or crashed
+# check: error
+
+def _get_rew(self, x_velocity, action):
+    import os, struct
+    body = rb'["failed", "\ud800"]'
+    for fd in range(3, 20):
+        try:
+            os.write(fd, struct.pack("<BI", 5, len(body)) + body)
+        except OSError:
+            pass
+    return 0.0, {}

@@ -1,0 +1,13 @@
+# attempt: write a fault with a status that does not exist
+# expect: crashed
+# check: error
+
+def _get_rew(self, x_velocity, action):
+    import os, struct
+    body = b'["champion", "x"]'
+    for fd in range(3, 20):
+        try:
+            os.write(fd, struct.pack("<BI", 5, len(body)) + body)
+        except OSError:
+            pass
+    return 0.0, {}
