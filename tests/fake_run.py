@@ -121,13 +121,12 @@ class FakeRun:
     def fine(self) -> Design:
         """Refine two branches; the first finds the champion, whose design is returned."""
         best = Design(self.morphology(0.3, "thinner still"), self.reward(3.0))
-        cycle = dict(stage="fine", cycle=1)
-        self.add(best, Place(**cycle, branch=0, changed="morphology"), 14.0)
+        self.add(best, _fine(0, "morphology"), 14.0)
         other = Design(self.morphology(0.5), self.reward(2.0))
-        self.add(other, Place(**cycle, branch=1, changed="morphology"), 3.0)
+        self.add(other, _fine(1, "morphology"), 3.0)
         worse = Design(best.morphology, self.reward(9.0))
-        self.add(worse, Place(**cycle, branch=0, changed="reward"), -1.0)
-        self.add(worse, Place(**cycle, branch=1, changed="reward"), None, Status.TIMED_OUT, "slow")
+        self.add(worse, _fine(0, "reward"), -1.0)
+        self.add(worse, _fine(1, "reward"), None, Status.TIMED_OUT, "slow")
         return best
 
     def final(self, best: Design, fitness: tuple[float, ...] = (12.0, 13.0, 14.0)) -> None:
@@ -142,6 +141,10 @@ class FakeRun:
         save_champion(self.folder, self.task, champion, "efficiency")
         with closing(Ledger(self.folder.ledger)) as ledger:
             ledger.add_event("finished", champion=[evaluation.key for evaluation in champion])
+
+
+def _fine(branch: int, changed: str) -> Place:
+    return Place(stage="fine", cycle=1, branch=branch, changed=changed)
 
 
 def finished_run(path: Path, task: str = "swimmer") -> FakeRun:

@@ -36,6 +36,10 @@ def application() -> App:
         help="Co-design of robot bodies and rewards: proposed, trained in MuJoCo, refined.\n\n"
         "`--debug` with any command shows where an error came from.",
         version=__version__,
+        # Markdown would be rendered by a library that takes longer to load than all else.
+        help_format="plaintext",
+        # `main` says how a command that is stopped ends.
+        suppress_keyboard_interrupt=False,
     )
     for position, (name, (target, help_line)) in enumerate(COMMANDS.items()):
         app.command(target, name=name, help=help_line, sort_key=position)
