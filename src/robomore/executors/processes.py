@@ -19,7 +19,10 @@ from robomore.executors.executor import Done, Failed, Outcome, Progress
 from robomore.executors.messages import Call, Progressed, Replied, Reply
 
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-_INHERITED = ("PATH", "HOME", "TMPDIR", "TZ", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH")
+_INHERITED = (
+    *("PATH", "HOME", "TMPDIR", "TZ", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH"),
+    "ROBOMORE_CACHE",
+)
 """What a worker sees of the parent's environment: enough to start Python, and no key."""
 _LOG_TAIL = 2000
 
@@ -174,11 +177,7 @@ class _Slot:
 
 
 def _environment() -> dict[str, str]:
-    inherited = {
-        name: value
-        for name, value in os.environ.items()
-        if name in _INHERITED or name.startswith("ROBOMORE_")
-    }
+    inherited = {name: os.environ[name] for name in _INHERITED if name in os.environ}
     return inherited | dict.fromkeys(_THREAD_PINS, "1")
 
 

@@ -81,6 +81,15 @@ class Spending:
             unpriced += exchange.cost is None
         return cls(requests, tokens, cost, unpriced)
 
+    def __add__(self, other: Spending) -> Spending:
+        """Return both together."""
+        return Spending(
+            self.requests + other.requests,
+            self.tokens + other.tokens,
+            self.cost + other.cost,
+            self.unpriced + other.unpriced,
+        )
+
 
 class ExchangeLog(Protocol):
     """Remembers exchanges. Called under one lock, but from whichever thread asks a model."""

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
-import sqlite3
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import msgspec
 
-from robomore.errors import LedgerError
+from robomore.store.rows import Rows, digest
 from robomore.types import Evaluation, Morphology, Place, Reward, Slot
 
 SCHEMA = 1
@@ -26,9 +23,6 @@ CREATE TABLE proposals
 CREATE TABLE exchanges (key TEXT PRIMARY KEY, body BLOB, digest BLOB, time REAL) STRICT;
 CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL) STRICT;
 """
-
-T = TypeVar("T")
-
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
@@ -49,7 +43,7 @@ class Event:
     time: float
 
 
-class Ledger:
+class Ledger(Rows):
     """Append-only memory of one run. Rows carry a digest, so damage is found and never believed.
 
     One process writes; others may read meanwhile.
@@ -61,28 +55,9 @@ class Ledger:
         Raises:
             LedgerError: damaged, or of a newer version.
         """
-        self._path = path
-        try:
-            if read_only:
-                self._db = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
-            else:
-                self._db = sqlite3.connect(path)
-                # Readers never wait for the writer, and a commit survives the process being killed.
-                self._db.execute("PRAGMA journal_mode=WAL")
-                self._db.execute("PRAGMA synchronous=NORMAL")
-            (found,) = self._db.execute("PRAGMA user_version").fetchone()
-            if found > SCHEMA:
-                raise LedgerError(
-                    f"{path} has version {found}, this RoboMoRe reads up to {SCHEMA}; "
-                    "install a newer RoboMoRe"
-                )
-            if found == 0 and not read_only:
-                self._db.executescript(f"BEGIN; {_TABLES} PRAGMA user_version={SCHEMA}; COMMIT;")
-        except sqlite3.Error as error:
-            raise self._damaged(error) from None
-
-    def close(self) -> None:
-        self._db.close()
+        super().__init__(path, SCHEMA, read_only, durable=False)
+        if self._version == 0 and not read_only:
+            self._script(f"BEGIN; {_TABLES} PRAGMA user_version={SCHEMA}; COMMIT;")
 
     # Evaluations ---------------------------------------------------------------------------------
 
@@ -130,7 +105,7 @@ class Ledger:
         slot = msgspec.json.encode(proposal.slot).decode()
         self._execute(
             "INSERT OR REPLACE INTO proposals VALUES (?, ?, ?, ?, ?)",
-            (slot, given, body, _digest(body), time.time()),
+            (slot, given, body, digest(body), time.time()),
         )
 
     def proposals(self) -> list[Proposal]:
@@ -148,45 +123,3 @@ class Ledger:
     def events(self) -> list[Event]:
         rows = self._execute("SELECT kind, body, time FROM events ORDER BY seq")
         return [Event(kind, self._decode(body, dict[str, Any]), at) for kind, body, at in rows]
-
-    # Rows ----------------------------------------------------------------------------------------
-
-    def _write(self, query: str, key: str, value: Any) -> None:
-        body = msgspec.json.encode(value)
-        self._execute(query, (key, body, _digest(body), time.time()))
-
-    def _read(self, query: str, key: str | tuple[str, ...], kind: type[T]) -> T | None:
-        rows = self._execute(query, key if isinstance(key, tuple) else (key,))
-        return self._checked(rows[0], kind) if rows else None
-
-    def _all(self, query: str, kind: type[T]) -> Iterator[T]:
-        return (self._checked(row, kind) for row in self._execute(query))
-
-    def _checked(self, row: tuple[bytes, bytes], kind: type[T]) -> T:
-        body, digest = row
-        if not isinstance(body, bytes) or _digest(body) != digest:
-            raise self._damaged("a row does not match its digest")
-        return self._decode(body, kind)
-
-    def _decode(self, body: bytes, kind: type[T]) -> T:
-        try:
-            return msgspec.json.decode(body, type=kind)
-        except msgspec.DecodeError as error:
-            raise self._damaged(error) from None
-
-    def _execute(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:
-        try:
-            with self._db:
-                return self._db.execute(query, values).fetchall()
-        except sqlite3.Error as error:
-            raise self._damaged(error) from None
-
-    def _damaged(self, reason: object) -> LedgerError:
-        return LedgerError(
-            f"the ledger {self._path} cannot be used ({reason}); free disk space if it is full, "
-            "restore the file from a copy, or start anew with another --out"
-        )
-
-
-def _digest(body: bytes) -> bytes:
-    return hashlib.sha256(body).digest()[:16]
