@@ -43,7 +43,7 @@ def run(
     preset
         `smoke` (under a minute), `quick` (about five), `standard` or `paper`.
     designer
-        Who proposes: `offline` (no LLM, the default) or `human`.
+        Who proposes: `offline` (no LLM, the default), `human` or `random` (baselines).
     seed
         Same seed, same result, whatever the number of workers.
     workers

@@ -80,8 +80,10 @@ def inspect(
     from robomore.tasks.compile import body_facts
     from robomore.tasks.drawing import draw
     from robomore.tasks.pictures import save_picture
+    from robomore.tasks.union import union_volume
 
     facts = body_facts(chosen, values)
+    union = union_volume(chosen, values)
     if picture is not None:
         save_picture(draw(chosen, values), picture, chosen.title)
     if as_json:
@@ -90,13 +92,14 @@ def inspect(
                 "task": chosen.id,
                 "parameters": chosen.named(values),
                 **facts,
+                "union_volume": union,
                 "picture": str(picture) if picture else None,
                 "mjcf": chosen.mjcf(values),
                 "masked_mjcf": chosen.masked_mjcf,
             }
         )
         return
-    _print_body(chosen, values, facts)
+    _print_body(chosen, values, facts, union)
     if picture is not None:
         sys.stdout.write(f"picture: {picture}\n")
 
@@ -126,7 +129,9 @@ def _as_data(task: Task) -> dict[str, Any]:
     }
 
 
-def _print_body(task: Task, values: tuple[float, ...], facts: dict[str, float]) -> None:
+def _print_body(
+    task: Task, values: tuple[float, ...], facts: dict[str, float], union: float | None
+) -> None:
     from rich.table import Table
 
     from robomore.cli.output import console
@@ -150,8 +155,9 @@ def _print_body(task: Task, values: tuple[float, ...], facts: dict[str, float]) 
             parameter.meaning,
         )
     screen.print(table)
+    once = f"; overlaps counted once {union:.6f} m³" if union is not None else ""
     screen.print(
-        f"\nvolume       {facts['volume']:.6f} m³  (human {task.volume(task.human):.6f} m³)\n"
+        f"\nvolume       {facts['volume']:.6f} m³{once}\n"
         f"mass         {number(facts['mass'])} kg\n"
         f"density      {number(facts['density'])} kg/m³ (mass / volume: what it is made of)\n"
         f"rest height  {number(facts['rest_height'])} m"

@@ -70,7 +70,7 @@ def seed_dots(summary: Summary, name: str) -> str:
     x = axis_around([*values, 0.0], 70, _WIDTH - 12)
     height = 34.0 * len(shown) + 26
     parts = []
-    for tick in x.ticks(4):
+    for tick in x.ticks(5):
         at = x.at(tick)
         parts.append(element("line", x1=at, x2=at, y1=4, y2=height - 22, klass="grid"))
         parts.append(text(short(tick), at, height - 8, text_anchor="middle", klass="tick"))
