@@ -21,7 +21,9 @@ SETTINGS = CrossQSettings(
     discount=0.9,
     # Next to no entropy in the values, so that they are the rewards' alone.
     initial_entropy_weight=1e-4,
-    replay_size=5_000,
+    # Small enough to be filled and overwritten.
+    replay_size=1_000,
+    average_rounds=5,
 )
 
 Ending = tuple[bool, bool]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from robomore.training.checkpoint import INDEX, Checkpoint, load_checkpoint, sav
 from robomore.training.crossq import CrossQ
 from robomore.training.policy import MLPPolicy
 
-AVERAGED = replace(SETTINGS, average_rounds=5, replay_size=300)
+FULL = SETTINGS.replay_size + 160
 
 
 def reward(elapsed: NDArray[Any], bit: NDArray[Any], action: NDArray[Any]) -> NDArray[Any]:
@@ -24,7 +23,7 @@ def reward(elapsed: NDArray[Any], bit: NDArray[Any], action: NDArray[Any]) -> ND
 
 
 def train(steps: int, seed: int = 3, checkpoint: Path | None = None) -> MLPPolicy:
-    return CrossQ(AVERAGED).train(Probe(reward, length=5), steps, seed, checkpoint)
+    return CrossQ(SETTINGS).train(Probe(reward, length=5), steps, seed, checkpoint)
 
 
 def same(a: MLPPolicy, b: MLPPolicy) -> bool:
@@ -37,11 +36,11 @@ def test_the_seed_decides_every_bit() -> None:
     assert not same(train(512), train(512, seed=4))
 
 
-@pytest.mark.parametrize("first", [64, 320, 512])
+@pytest.mark.parametrize("first", [64, 320, FULL - 32])
 def test_a_continued_training_is_an_uninterrupted_one(tmp_path: Path, first: int) -> None:
     train(first, checkpoint=tmp_path / "a")
-    continued = train(640, checkpoint=tmp_path / "a")
-    assert same(continued, train(640, checkpoint=tmp_path / "b"))
+    continued = train(FULL, checkpoint=tmp_path / "a")
+    assert same(continued, train(FULL, checkpoint=tmp_path / "b"))
     one, other = load_checkpoint(tmp_path / "a"), load_checkpoint(tmp_path / "b")
     assert one is not None and other is not None
     assert one.facts == other.facts
@@ -54,7 +53,7 @@ def test_a_continued_training_is_an_uninterrupted_one(tmp_path: Path, first: int
 def test_a_finished_training_is_not_done_again(tmp_path: Path) -> None:
     done = train(512, checkpoint=tmp_path)
     told: list[int] = []
-    again = CrossQ(AVERAGED).train(Probe(reward, length=5), 512, 3, tmp_path, told.append)
+    again = CrossQ(SETTINGS).train(Probe(reward, length=5), 512, 3, tmp_path, told.append)
     assert same(done, again)
     assert told == [512]
 

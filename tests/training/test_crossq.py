@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import jax
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -17,8 +16,14 @@ from robomore.training.crossq import CrossQ
 from robomore.training.loop import Run
 
 
-def trained(probe: Any, steps: int, seed: int = 1) -> Run:
-    run = Run(CrossQ(SETTINGS), SETTINGS, probe, seed)
+def trained(
+    probe: Any, steps: int, seed: int = 1, entropy_weight: float = 1e-4, average_rounds: int = 1
+) -> Run:
+    # What the compiled step does not read is set past its settings: compiling takes long.
+    settings = replace(SETTINGS, average_rounds=average_rounds)
+    run = Run(CrossQ(SETTINGS), settings, probe, seed)
+    policy = run.learner.policy._replace(log_entropy_weight=np.log(np.float32(entropy_weight)))
+    run.learner = run.learner._replace(policy=policy)
     run.observation = probe.reset(seed)
     while run.steps < steps:
         run.advance()
@@ -27,11 +32,15 @@ def trained(probe: Any, steps: int, seed: int = 1) -> Run:
 
 def values(run: Run, observation: list[float], action: float) -> NDArray[np.float32]:
     """Values that each critic gives one state and action, as it does when it is not training."""
+    sizes = (3, *SETTINGS.hidden, 1)
+    critics = run.learner.critics
     inputs = np.array([[*observation, action]], np.float32)
     found = [
-        networks.apply(*jax.tree.map(lambda a, i=i: a[i], pair), inputs)[0, 0]
-        for i in range(SETTINGS.critics)
-        for pair in [(run.learner.critics, run.learner.critic_statistics)]
+        networks.apply(
+            networks.fold(networks.layers(parameters, sizes), networks.moments(moments, sizes)),
+            inputs,
+        ).item()
+        for parameters, moments in zip(critics.parameters, critics.moments, strict=True)
     ]
     return np.array(found)
 
@@ -65,7 +74,7 @@ def test_the_policy_picks_what_is_rewarded() -> None:
     def reward(elapsed: Any, bit: Any, action: NDArray[Any]) -> NDArray[Any]:
         return -np.square(action[:, 0] - np.where(bit, wanted[1], wanted[0]))
 
-    policy = trained(Probe(reward), 4_000).policy()
+    policy = trained(Probe(reward), 6_000, entropy_weight=0.1, average_rounds=100).policy()
     for bit, best in wanted.items():
         assert policy.act(np.array([[0.0, bit]])) == pytest.approx(best, abs=0.15)
 
@@ -86,7 +95,11 @@ def test_a_control_task_is_learnt() -> None:
 def test_the_policy_is_that_of_the_network_in_jax() -> None:
     run = trained(Cart(), 512)
     observations = np.random.default_rng(0).normal(size=(50, 2)).astype(np.float32)
-    heads = networks.apply(run.learner.policy, run.learner.policy_statistics, observations)
+    policy, sizes = run.learner.policy, (2, *SETTINGS.hidden, 2)
+    layers = networks.layers(policy.parameters, sizes)
+    heads = networks.apply(
+        networks.fold(layers, networks.moments(policy.moments, sizes)), observations
+    )
     assert run.policy().act(observations) == pytest.approx(np.tanh(heads[:, :1]), abs=1e-5)
 
 

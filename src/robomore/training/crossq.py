@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from robomore.training import loop, networks
 from robomore.training.gaussian import sample
-from robomore.training.networks import Network, Statistics
+from robomore.training.networks import Folded, Layer, Moments, Sizes
 from robomore.training.optimiser import Adam, adam_step, initial_adam
 from robomore.training.policy import MLPPolicy
 from robomore.training.settings import CrossQSettings
@@ -26,17 +26,29 @@ from robomore.training.threads import use_one_thread
 from robomore.training.trainer import Progress, VectorEnvironment
 
 
-class Learner(NamedTuple):
-    """Everything that gradient steps change. The critics' arrays hold one critic a row."""
+class Policy(NamedTuple):
+    """The policy, and the weight of its entropy, as gradient steps change them."""
 
-    policy: Network
-    policy_statistics: Statistics
-    policy_adam: Adam
-    critics: Network
-    critic_statistics: Statistics
-    critic_adam: Adam
+    parameters: jax.Array
+    moments: jax.Array
+    adam: Adam
     log_entropy_weight: jax.Array
     entropy_adam: Adam
+
+
+class Critics(NamedTuple):
+    """The critics as gradient steps change them; each array holds one critic a row."""
+
+    parameters: jax.Array
+    moments: jax.Array
+    adam: Adam
+
+
+class Learner(NamedTuple):
+    """Everything that gradient steps change."""
+
+    policy: Policy
+    critics: Critics
 
 
 class Minibatch(NamedTuple):
@@ -71,167 +83,196 @@ class CrossQ:
         self, random: np.random.Generator, observation_size: int, action_size: int
     ) -> tuple[Learner, loop.Layers]:
         """Return the learner before any learning, and its policy; see `loop.Learning`."""
-        hidden = self.settings.hidden
-        policy_sizes = (observation_size, *hidden, 2 * action_size)
-        critic_sizes = (observation_size + action_size, *hidden, 1)
-        policy = networks.initial_network(random, policy_sizes)
-        critics = networks.stack(
-            [networks.initial_network(random, critic_sizes) for _ in range(self.settings.critics)]
+        settings = self.settings
+        sizes = _Sizes(settings, observation_size, action_size)
+        policy = networks.initial_parameters(random, sizes.policy)
+        critics = np.stack(
+            [networks.initial_parameters(random, sizes.critic) for _ in range(settings.critics)]
         )
-        log_weight = np.log(np.float32(self.settings.initial_entropy_weight))
-        learner = Learner(
-            policy=policy,
-            policy_statistics=networks.initial_statistics(policy_sizes),
-            policy_adam=initial_adam(policy),
-            critics=critics,
-            critic_statistics=networks.stack(
-                [networks.initial_statistics(critic_sizes)] * self.settings.critics
+        critic_moments = np.stack([networks.initial_moments(sizes.critic)] * settings.critics)
+        log_weight = np.log(np.float32(settings.initial_entropy_weight))
+        # NumPy's arrays become JAX's in the first round.
+        learner: Any = (
+            (
+                policy,
+                networks.initial_moments(sizes.policy),
+                initial_adam(policy),
+                log_weight,
+                initial_adam(log_weight),
             ),
-            critic_adam=initial_adam(critics),
-            log_entropy_weight=log_weight,
-            entropy_adam=initial_adam(log_weight),
+            (critics, critic_moments, initial_adam(critics)),
         )
-        return learner, [(np.asarray(layer.weight), np.asarray(layer.bias)) for layer in policy]
+        untrained: Any = networks.layers(jnp.asarray(policy), sizes.policy)
+        layers = [(np.asarray(layer.weight), np.asarray(layer.bias)) for layer in untrained]
+        return Learner(Policy(*learner[0]), Critics(*learner[1])), layers
 
     def learn(
         self, learner: Learner, rows: NDArray[np.float32], noise: NDArray[np.float32], done: int
     ) -> tuple[Learner, loop.Layers, dict[str, float]]:
         """Do one round of gradient steps in one compiled call; see `loop.Learning`."""
         numbers = np.arange(done, done + len(rows), dtype=np.int32)
-        learner, folded, losses = _compiled(self.settings)(learner, rows, noise, numbers)
+        do_round = _compiled(self.settings, done >= self.settings.renorm_after)
+        learner, folded, losses = do_round(learner, rows, noise, numbers)
         layers = [(np.asarray(weight), np.asarray(bias)) for weight, bias in folded]
         return learner, layers, {name: float(value) for name, value in losses.items()}
 
 
 @lru_cache
-def _compiled(settings: CrossQSettings) -> Any:
-    return jax.jit(partial(_round, settings), donate_argnums=0)
+def _compiled(settings: CrossQSettings, renormalise: bool) -> Any:
+    return jax.jit(partial(_round, settings, renormalise), donate_argnums=0)
+
+
+class _Sizes:
+    """Sizes of the networks for a robot."""
+
+    def __init__(self, settings: CrossQSettings, observations: int, actions: int) -> None:
+        self.policy: Sizes = (observations, *settings.hidden, 2 * actions)
+        self.critic: Sizes = (observations + actions, *settings.hidden, 1)
 
 
 def _round(
     settings: CrossQSettings,
+    renormalise: bool,
     learner: Learner,
     rows: jax.Array,
     noise: jax.Array,
     numbers: jax.Array,
-) -> tuple[Learner, list[tuple[jax.Array, jax.Array]], dict[str, jax.Array]]:
-    """Return the learner after a round, its folded policy, and mean losses."""
-    step = partial(_gradient_step, settings)
+) -> tuple[Learner, Folded, dict[str, jax.Array]]:
+    """Return the learner after a round, its folded policy, and losses averaged over the round."""
+    actions = noise.shape[-1]
+    sizes = _Sizes(settings, (rows.shape[-1] - actions - 2) // 2, actions)
+    step = partial(_gradient_step, settings, sizes, renormalise)
     learner, losses = jax.lax.scan(step, learner, (rows, noise, numbers))
-    folded = networks.fold_all(learner.policy, learner.policy_statistics)
-    return learner, folded, jax.tree.map(jnp.mean, losses)
+    return learner, _fold_policy(learner.policy, sizes), jax.tree.map(jnp.mean, losses)
 
 
 def _gradient_step(
     settings: CrossQSettings,
+    sizes: _Sizes,
+    renormalise: bool,
     learner: Learner,
     given: tuple[jax.Array, jax.Array, jax.Array],
 ) -> tuple[Learner, dict[str, jax.Array]]:
     """One step of the critics and, at every `policy_delay`-th, of policy and entropy weight."""
     rows, (next_noise, noise), number = given
     batch = _take_apart(rows, noise.shape[-1])
-    renormalise = (number >= settings.renorm_after).astype(jnp.float32)
-    learner, loss = _learn_critics(settings, learner, batch, next_noise, renormalise)
-    learner = jax.lax.cond(
-        number % settings.policy_delay == 0,
-        lambda learner: _learn_policy(settings, learner, batch.observation, noise, renormalise),
-        lambda learner: learner,
-        learner,
+    critics, loss = _learn_critics(settings, sizes, renormalise, learner, batch, next_noise)
+
+    def learn_policy(policy: Policy) -> Policy:
+        return _learn_policy(
+            settings, sizes, renormalise, policy, critics, batch.observation, noise
+        )
+
+    policy = jax.lax.cond(
+        number % settings.policy_delay == 0, learn_policy, lambda policy: policy, learner.policy
     )
-    return learner, {"critic loss": loss, "entropy weight": jnp.exp(learner.log_entropy_weight)}
+    entropy_weight = jnp.exp(policy.log_entropy_weight)
+    return Learner(policy, critics), {"critic loss": loss, "entropy weight": entropy_weight}
 
 
 def _learn_critics(
     settings: CrossQSettings,
+    sizes: _Sizes,
+    renormalise: bool,
     learner: Learner,
     batch: Minibatch,
     noise: jax.Array,
-    renormalise: jax.Array,
-) -> tuple[Learner, jax.Array]:
-    heads = networks.apply(learner.policy, learner.policy_statistics, batch.next_observation)
+) -> tuple[Critics, jax.Array]:
+    policy, critics = learner
+    heads = networks.apply(_fold_policy(policy, sizes), batch.next_observation)
     next_action, density = sample(heads, noise)
-    entropy_bonus = -jnp.exp(learner.log_entropy_weight) * density
+    entropy_bonus = -jnp.exp(policy.log_entropy_weight) * density
     now = jnp.concatenate([batch.observation, batch.action], axis=1)
     then = jnp.concatenate([batch.next_observation, next_action], axis=1)
-    inputs = jnp.concatenate([now, then])
-    goes_on = settings.discount * (1 - batch.terminated)
+    inputs = _for_each_critic(settings, jnp.concatenate([now, then]))
+    running = _moments_of_each(critics.moments, sizes.critic)
+    in_training = jax.vmap(partial(networks.apply_in_training, renormalise=renormalise))
 
-    def loss(critics: Network) -> tuple[jax.Array, Statistics]:
-        values, seen = _values_in_training(critics, learner.critic_statistics, inputs, renormalise)
-        value, next_value = jnp.split(values, 2, axis=1)
-        target = batch.reward + goes_on * (next_value.min(axis=0) + entropy_bonus)
-        error = value - jax.lax.stop_gradient(target)
-        return 0.5 * jnp.square(error).mean(axis=1).sum(), seen
+    def loss(layers: list[Layer]) -> tuple[jax.Array, list[Moments]]:
+        values, seen = in_training(layers, running, inputs)
+        value, next_value = jnp.split(values[..., 0], 2, axis=1)
+        # A truncated episode goes on as far as values are concerned; a terminated one is over.
+        future = (1 - batch.terminated) * (next_value.min(axis=0) + entropy_bonus)
+        target = jax.lax.stop_gradient(batch.reward + settings.discount * future)
+        return 0.5 * jnp.square(value - target).mean(axis=1).sum(), seen
 
-    (value, seen), gradients = jax.value_and_grad(loss, has_aux=True)(learner.critics)
-    critics, adam = adam_step(
-        learner.critic_adam,
-        learner.critics,
-        gradients,
+    layers = _layers_of_each(critics.parameters, sizes.critic)
+    (value, seen), gradients = jax.value_and_grad(loss, has_aux=True)(layers)
+    parameters, adam = adam_step(
+        critics.adam,
+        critics.parameters,
+        jax.vmap(networks.flatten)(gradients),
         settings.critic_rate,
-        settings.beta1,
-        settings.beta2,
+        (settings.beta1, settings.beta2),
     )
-    statistics = networks.track(learner.critic_statistics, seen, settings.norm_momentum)
-    return learner._replace(critics=critics, critic_adam=adam, critic_statistics=statistics), value
+    moments = _track(settings, critics.moments, jax.vmap(networks.flatten)(seen))
+    return Critics(parameters, moments, adam), value
 
 
 def _learn_policy(
     settings: CrossQSettings,
-    learner: Learner,
+    sizes: _Sizes,
+    renormalise: bool,
+    policy: Policy,
+    critics: Critics,
     observation: jax.Array,
     noise: jax.Array,
-    renormalise: jax.Array,
-) -> Learner:
-    weight = jnp.exp(learner.log_entropy_weight)
-
-    def loss(policy: Network) -> tuple[jax.Array, tuple[jax.Array, Statistics]]:
-        heads, seen = networks.apply_in_training(
-            policy, learner.policy_statistics, observation, renormalise
-        )
-        action, density = sample(heads, noise)
-        inputs = jnp.concatenate([observation, action], axis=1)
-        values = jax.vmap(networks.apply, in_axes=(0, 0, None))(
-            learner.critics, learner.critic_statistics, inputs
-        )[..., 0]
-        return (weight * density - values.min(axis=0)).mean(), (-density.mean(), seen)
-
-    gradients, (entropy, seen) = jax.grad(loss, has_aux=True)(learner.policy)
-    policy, adam = adam_step(
-        learner.policy_adam,
-        learner.policy,
-        gradients,
-        settings.policy_rate,
-        settings.beta1,
-        settings.beta2,
+) -> Policy:
+    decay = settings.beta1, settings.beta2
+    entropy_weight = jnp.exp(policy.log_entropy_weight)
+    running = networks.moments(policy.moments, sizes.policy)
+    judges = jax.vmap(networks.fold)(
+        _layers_of_each(critics.parameters, sizes.critic),
+        _moments_of_each(critics.moments, sizes.critic),
     )
-    # The weight rises while the entropy is under its target and falls while it is above.
+
+    def loss(layers: list[Layer]) -> tuple[jax.Array, tuple[jax.Array, list[Moments]]]:
+        heads, seen = networks.apply_in_training(layers, running, observation, renormalise)
+        action, density = sample(heads, noise)
+        inputs = _for_each_critic(settings, jnp.concatenate([observation, action], axis=1))
+        values = jax.vmap(networks.apply)(judges, inputs)[..., 0].min(axis=0)
+        return (entropy_weight * density - values).mean(), (-density.mean(), seen)
+
+    layers = networks.layers(policy.parameters, sizes.policy)
+    gradients, (entropy, seen) = jax.grad(loss, has_aux=True)(layers)
+    parameters, adam = adam_step(
+        policy.adam, policy.parameters, networks.flatten(gradients), settings.policy_rate, decay
+    )
+    # The weight rises while the entropy is under its target, and falls while it is above.
     wanted = -noise.shape[-1] if settings.target_entropy is None else settings.target_entropy
-    log_weight, entropy_adam = adam_step(
-        learner.entropy_adam,
-        learner.log_entropy_weight,
+    log_entropy_weight, entropy_adam = adam_step(
+        policy.entropy_adam,
+        policy.log_entropy_weight,
         entropy - wanted,
         settings.entropy_rate,
-        settings.beta1,
-        settings.beta2,
+        decay,
     )
-    return learner._replace(
-        policy=policy,
-        policy_adam=adam,
-        policy_statistics=networks.track(learner.policy_statistics, seen, settings.norm_momentum),
-        log_entropy_weight=log_weight,
-        entropy_adam=entropy_adam,
+    moments = _track(settings, policy.moments, networks.flatten(seen))
+    return Policy(parameters, moments, adam, log_entropy_weight, entropy_adam)
+
+
+def _fold_policy(policy: Policy, sizes: _Sizes) -> Folded:
+    return networks.fold(
+        networks.layers(policy.parameters, sizes.policy),
+        networks.moments(policy.moments, sizes.policy),
     )
 
 
-_values_in_training_of_each = jax.vmap(networks.apply_in_training, in_axes=(0, 0, None, None))
+def _layers_of_each(parameters: jax.Array, sizes: Sizes) -> list[Layer]:
+    return jax.vmap(partial(networks.layers, sizes=sizes))(parameters)
 
 
-def _values_in_training(
-    critics: Network, statistics: Statistics, inputs: jax.Array, renormalise: jax.Array
-) -> tuple[jax.Array, Statistics]:
-    values, seen = _values_in_training_of_each(critics, statistics, inputs, renormalise)
-    return values[..., 0], seen
+def _moments_of_each(moments: jax.Array, sizes: Sizes) -> list[Moments]:
+    return jax.vmap(partial(networks.moments, sizes=sizes))(moments)
+
+
+def _for_each_critic(settings: CrossQSettings, inputs: jax.Array) -> jax.Array:
+    # Shared inputs would make one wide product, whose outputs then have to be transposed.
+    return jnp.broadcast_to(inputs, (settings.critics, *inputs.shape))
+
+
+def _track(settings: CrossQSettings, moments: jax.Array, seen: jax.Array) -> jax.Array:
+    return settings.norm_momentum * moments + (1 - settings.norm_momentum) * seen
 
 
 def _take_apart(rows: jax.Array, actions: int) -> Minibatch:

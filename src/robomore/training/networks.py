@@ -1,23 +1,24 @@
 """Multi-layer perceptrons with batch (re)normalisation before each layer (Ioffe 2017).
 
-A normalised input enters a layer only as `normalised @ weight + bias`, so the normalisation is
-folded into that layer's weight and bias rather than applied to the batch: the batch is then read
-for its moments alone, gradients flow through small matrices, and the policy that is handed out in
-the end is a plain perceptron made by the same function.
+A layer's normalised input goes nowhere but into `normalised @ weight + bias`, so normalisation is
+folded into that weight and bias and the batch is read for its moments alone. The policy that is
+handed out in the end is a plain perceptron, made by the same folding.
+
+All parameters of a network are one flat vector, and so are its running moments: an optimiser then
+is a few long loops rather than many short ones, which a compiler is slow to make.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
-
-Array = jax.Array | NDArray[Any]
 
 EPSILON = 1e-3
 """Added to variances: inputs that hardly vary are not blown up."""
@@ -28,60 +29,71 @@ LARGEST_SHIFT = 5.0
 
 
 class Layer(NamedTuple):
-    """Normalisation of the inputs, then a linear map."""
+    """Normalisation of the inputs by scale and shift, then a linear map."""
 
-    scale: Array
-    shift: Array
-    weight: Array
-    bias: Array
+    scale: jax.Array
+    shift: jax.Array
+    weight: jax.Array
+    bias: jax.Array
 
 
 class Moments(NamedTuple):
     """Mean and variance of a layer's inputs, each (inputs,)."""
 
-    mean: Array
-    variance: Array
+    mean: jax.Array
+    variance: jax.Array
 
 
-Network = tuple[Layer, ...]
-Statistics = tuple[Moments, ...]
-Tree = TypeVar("Tree", Network, Statistics)
+Sizes = tuple[int, ...]
+"""Inputs, units of each hidden layer, outputs."""
+
+Folded = list[tuple[jax.Array, jax.Array]]
+"""Weight and bias of each layer, normalisation folded in."""
 
 
-def initial_network(random: np.random.Generator, sizes: Sequence[int]) -> Network:
-    """Return layers between `sizes`, weights normal with variance 1 / inputs, all else neutral."""
-    return tuple(
-        Layer(
-            np.ones(inputs, np.float32),
-            np.zeros(inputs, np.float32),
-            random.standard_normal((inputs, outputs), np.float32) / np.sqrt(np.float32(inputs)),
-            np.zeros(outputs, np.float32),
-        )
-        for inputs, outputs in pairwise(sizes)
-    )
+def initial_parameters(random: np.random.Generator, sizes: Sizes) -> NDArray[np.float32]:
+    """Return a flat network: weights normal with variance 1 / inputs, all else neutral."""
+    parts: list[NDArray[Any]] = []
+    for inputs, outputs in pairwise(sizes):
+        weight = random.standard_normal((inputs, outputs)) / np.sqrt(inputs)
+        parts += [np.ones(inputs), np.zeros(inputs), weight.ravel(), np.zeros(outputs)]
+    return np.concatenate(parts).astype(np.float32)
 
 
-def initial_statistics(sizes: Sequence[int]) -> Statistics:
-    """Return running moments of standardised inputs, for a network of `sizes`."""
-    return tuple(
-        Moments(np.zeros(inputs, np.float32), np.ones(inputs, np.float32)) for inputs in sizes[:-1]
-    )
+def initial_moments(sizes: Sizes) -> NDArray[np.float32]:
+    """Return flat running moments of standardised inputs."""
+    parts = [part for inputs in sizes[:-1] for part in (np.zeros(inputs), np.ones(inputs))]
+    return np.concatenate(parts).astype(np.float32)
 
 
-def fold(layer: Layer, moments: Moments) -> tuple[jax.Array, jax.Array]:
-    """Return weight and bias that give on raw inputs what `layer` gives on normalised ones."""
-    gain = layer.scale / jnp.sqrt(moments.variance + EPSILON)
-    return _folded(layer, gain, layer.shift - moments.mean * gain)
+def layers(parameters: jax.Array, sizes: Sizes) -> list[Layer]:
+    """Return the layers of a flat network."""
+    shapes = [((i,), (i,), (i, o), (o,)) for i, o in pairwise(sizes)]
+    return [Layer(*parts) for parts in _unflatten(parameters, shapes)]
 
 
-def fold_all(network: Network, statistics: Statistics) -> list[tuple[jax.Array, jax.Array]]:
-    """Return weight and bias of every layer, its normalisation folded in."""
-    return [fold(layer, moments) for layer, moments in zip(network, statistics, strict=True)]
+def moments(statistics: jax.Array, sizes: Sizes) -> list[Moments]:
+    """Return the moments of each layer's inputs."""
+    return [Moments(*parts) for parts in _unflatten(statistics, [((i,), (i,)) for i in sizes[:-1]])]
 
 
-def apply(network: Network, statistics: Statistics, inputs: jax.Array) -> jax.Array:
-    """Return outputs (batch, outputs), normalised by the running `statistics`."""
-    folded = fold_all(network, statistics)
+def flatten(tree: Any) -> jax.Array:
+    """Return layers or moments, or gradients shaped like them, as one flat vector."""
+    return jnp.concatenate([leaf.ravel() for leaf in jax.tree.leaves(tree)])
+
+
+def fold(network: Sequence[Layer], running: Sequence[Moments]) -> Folded:
+    """Return what gives on raw inputs what `network` gives on inputs normalised by `running`."""
+    folded = []
+    for layer, (mean, variance) in zip(network, running, strict=True):
+        gain = layer.scale * jax.lax.rsqrt(variance + EPSILON)
+        offset = layer.shift - mean * gain
+        folded.append((gain[:, None] * layer.weight, layer.bias + offset @ layer.weight))
+    return folded
+
+
+def apply(folded: Folded, inputs: jax.Array) -> jax.Array:
+    """Return outputs (batch, outputs) for `inputs` (batch, inputs)."""
     for weight, bias in folded[:-1]:
         inputs = jax.nn.relu(inputs @ weight + bias)
     weight, bias = folded[-1]
@@ -89,49 +101,91 @@ def apply(network: Network, statistics: Statistics, inputs: jax.Array) -> jax.Ar
 
 
 def apply_in_training(
-    network: Network, statistics: Statistics, inputs: jax.Array, renormalise: jax.Array
-) -> tuple[jax.Array, Statistics]:
-    """Return outputs (batch, outputs), normalised by the batch's moments, and those moments.
+    network: Sequence[Layer], running: Sequence[Moments], inputs: jax.Array, renormalise: bool
+) -> tuple[jax.Array, list[Moments]]:
+    """Return outputs (batch, outputs), normalised by the batch's own moments, and those moments.
 
     Args:
-        network: layers.
-        statistics: running moments, which batch renormalisation corrects towards.
+        network: layers; gradients flow to them, and to `inputs`.
+        running: what batch renormalisation corrects towards.
         inputs: (batch, inputs).
-        renormalise: 1 to correct, 0 for plain batch normalisation.
+        renormalise: whether to correct.
     """
     seen = []
-    for i, (layer, running) in enumerate(zip(network, statistics, strict=True)):
-        if i:
-            inputs = jax.nn.relu(inputs)
-        mean = inputs.mean(axis=0)
-        variance = jnp.square(inputs - mean).mean(axis=0)
-        seen.append(Moments(mean, variance))
-        deviation = jnp.sqrt(variance + EPSILON)
-        expected = jnp.sqrt(running.variance + EPSILON)
-        ratio = jnp.clip(deviation / expected, 1 / LARGEST_RATIO, LARGEST_RATIO)
-        shift = jnp.clip((mean - running.mean) / expected, -LARGEST_SHIFT, LARGEST_SHIFT)
-        ratio = jax.lax.stop_gradient(1 + renormalise * (ratio - 1))
-        shift = jax.lax.stop_gradient(renormalise * shift)
-        gain = layer.scale * ratio / deviation
-        weight, bias = _folded(layer, gain, layer.shift + layer.scale * shift - mean * gain)
-        inputs = inputs @ weight + bias
-    return inputs, tuple(seen)
+    for i, (layer, expected) in enumerate(zip(network, running, strict=True)):
+        last = i == len(network) - 1
+        inputs, found = _in_training(layer, inputs, expected, last, renormalise)
+        seen.append(found)
+    return inputs, seen
 
 
-def track(statistics: Statistics, seen: Statistics, momentum: float) -> Statistics:
-    """Return running moments moved a little towards the ones just `seen`."""
-    moved: Statistics = jax.tree.map(
-        lambda old, new: momentum * old + (1 - momentum) * new, statistics, seen
+@partial(jax.custom_vjp, nondiff_argnums=(3, 4))
+def _in_training(
+    layer: Layer, inputs: jax.Array, expected: Moments, last: bool, renormalise: bool
+) -> tuple[jax.Array, Moments]:
+    """Return one layer's outputs, rectified but for the `last`, and the moments of its inputs."""
+    return _forward(layer, inputs, expected, last, renormalise)[0]
+
+
+def _forward(
+    layer: Layer, inputs: jax.Array, expected: Moments, last: bool, renormalise: bool
+) -> tuple[tuple[jax.Array, Moments], tuple[Any, ...]]:
+    mean = inputs.mean(axis=0)
+    variance = jnp.square(inputs - mean).mean(axis=0)
+    deviation = jnp.sqrt(variance + EPSILON)
+    slope, correction = 1 / deviation, jnp.zeros_like(mean)
+    if renormalise:
+        usual = jnp.sqrt(expected.variance + EPSILON)
+        slope *= jnp.clip(deviation / usual, 1 / LARGEST_RATIO, LARGEST_RATIO)
+        correction = jnp.clip((mean - expected.mean) / usual, -LARGEST_SHIFT, LARGEST_SHIFT)
+    # Normalised inputs are (inputs - mean) * slope + correction.
+    gain = layer.scale * slope
+    offset = layer.shift + layer.scale * correction - mean * gain
+    weight = gain[:, None] * layer.weight
+    outputs = inputs @ weight + (layer.bias + offset @ layer.weight)
+    if not last:
+        outputs = jnp.maximum(outputs, 0)
+    kept = (layer, inputs, outputs, mean, deviation, slope, correction, gain, offset, weight)
+    return (outputs, Moments(mean, variance)), kept
+
+
+def _backward(
+    last: bool, renormalise: bool, kept: tuple[Any, ...], cotangents: tuple[jax.Array, Moments]
+) -> tuple[Layer, jax.Array, None]:
+    """Return the gradients, written out: automatic ones pass over the batch far more often.
+
+    As in batch renormalisation, `slope * deviation` and `correction` are taken as constants.
+    """
+    layer, inputs, outputs, mean, deviation, slope, correction, gain, offset, weight = kept
+    error, _ = cotangents
+    if not last:
+        error = jnp.where(outputs > 0, error, 0)
+    bias = error.sum(axis=0)
+    of_weight = inputs.T @ error
+    of_offset = layer.weight @ bias
+    of_gain = (of_weight * layer.weight).sum(axis=1) - mean * of_offset
+    gradients = Layer(
+        scale=slope * of_gain + correction * of_offset,
+        shift=of_offset,
+        weight=gain[:, None] * of_weight + offset[:, None] * bias,
+        bias=bias,
     )
-    return moved
+    # The inputs also act through their own mean and deviation.
+    spread = -gain * of_gain / (jnp.square(deviation) * len(inputs))
+    constant = -gain * of_offset / len(inputs) - spread * mean
+    return gradients, error @ weight.T + (spread * inputs + constant), None
 
 
-def stack(trees: Sequence[Tree]) -> Tree:
-    """Return one network, or statistics, whose arrays hold all of `trees` along a first axis."""
-    stacked: Tree = jax.tree.map(lambda *arrays: np.stack(arrays), *trees)
-    return stacked
+_in_training.defvjp(_forward, _backward)
 
 
-def _folded(layer: Layer, gain: Array, offset: Array) -> tuple[jax.Array, jax.Array]:
-    weight = jnp.asarray(layer.weight)
-    return jnp.asarray(gain)[:, None] * weight, jnp.asarray(layer.bias + offset @ weight)
+def _unflatten(flat: jax.Array, shapes: Sequence[Sequence[tuple[int, ...]]]) -> list[Any]:
+    groups, start = [], 0
+    for group in shapes:
+        parts = []
+        for shape in group:
+            size = int(np.prod(shape))
+            parts.append(flat[start : start + size].reshape(shape))
+            start += size
+        groups.append(parts)
+    return groups

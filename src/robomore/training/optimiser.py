@@ -1,4 +1,4 @@
-"""Adam (Kingma and Ba 2015) on any tree of arrays."""
+"""Adam (Kingma and Ba 2015) on one array of parameters."""
 
 from __future__ import annotations
 
@@ -12,31 +12,40 @@ EPSILON = 1e-8
 
 
 class Adam(NamedTuple):
-    """Running mean and mean square of the gradients, each a tree like the parameters', and the
-    number of steps taken."""
+    """Running mean and mean square of the gradients, and the number of steps taken."""
 
-    mean: Any
-    square: Any
-    steps: jax.Array | np.int32
+    mean: jax.Array
+    square: jax.Array
+    steps: jax.Array
 
 
 def initial_adam(parameters: Any) -> Adam:
     """Return the state before the first step."""
-    zeros = jax.tree.map(np.zeros_like, parameters)
-    return Adam(zeros, jax.tree.map(np.zeros_like, parameters), np.int32(0))
+    state: Any = (np.zeros_like(parameters), np.zeros_like(parameters), np.int32(0))
+    return Adam(*state)
 
 
 def adam_step(
-    adam: Adam, parameters: Any, gradients: Any, rate: float, beta1: float, beta2: float
-) -> tuple[Any, Adam]:
-    """Return `parameters` after one step down `gradients`, and the state after it."""
+    adam: Adam,
+    parameters: jax.Array,
+    gradients: jax.Array,
+    rate: float,
+    decay: tuple[float, float],
+) -> tuple[jax.Array, Adam]:
+    """Return `parameters` after one step down `gradients`, and the state after it.
+
+    Args:
+        adam: state before.
+        parameters: of any shape.
+        gradients: of the same shape.
+        rate: learning rate.
+        decay: of the running mean and of the running mean square.
+    """
     steps = adam.steps + 1
-    mean = jax.tree.map(lambda m, g: beta1 * m + (1 - beta1) * g, adam.mean, gradients)
-    square = jax.tree.map(lambda s, g: beta2 * s + (1 - beta2) * g * g, adam.square, gradients)
-    # The bias corrections of both moments are scalars, so they go into the rate and epsilon.
-    unbias = jnp.sqrt(1 - beta2**steps)
-    step = rate * unbias / (1 - beta1**steps)
-    moved = jax.tree.map(
-        lambda p, m, s: p - step * m / (jnp.sqrt(s) + EPSILON * unbias), parameters, mean, square
-    )
+    mean = decay[0] * adam.mean + (1 - decay[0]) * gradients
+    square = decay[1] * adam.square + (1 - decay[1]) * gradients * gradients
+    # Both moments start at zero; undoing that is a factor on the rate and on epsilon.
+    unbias = jnp.sqrt(1 - decay[1] ** steps)
+    step = rate * unbias / (1 - decay[0] ** steps)
+    moved = parameters - step * mean / (jnp.sqrt(square) + EPSILON * unbias)
     return moved, Adam(mean, square, steps)
