@@ -84,7 +84,9 @@ def evaluate(
 
         write_design(out, chosen, [evaluation])
     if as_json:
-        write_json(msgspec.to_builtins(evaluation))
+        data = msgspec.to_builtins(evaluation)
+        # The job is long: whoever reads it with their eyes wants the outcome first.
+        write_json({**{k: v for k, v in data.items() if k != "job"}, "job": data["job"]})
     else:
         _print(evaluation)
     return 0 if evaluation.ok else 1
