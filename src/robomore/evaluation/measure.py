@@ -63,6 +63,7 @@ def measure(
             "forward_distance_m": float(run.distance.mean()),
             "forward_speed_m_s": float((run.distance / (run.length * step_seconds)).mean()),
             "highest_torso_m": float(run.highest.mean()),
+            "height_gain_m": float((run.highest - run.rest_height).mean()),
             "lowest_torso_m": float(run.lowest.mean()),
             "episode_seconds": float(run.length.mean() * step_seconds),
             "fell_share": float(run.fell.mean()),
