@@ -25,13 +25,12 @@ LIGHTNESS = 0.7
 """Log efficiency gained by a body of 1/e the volume. Were it as fast, it would gain 1; but light
 and thin bodies learn later, so only part of that is believed."""
 
-STRIDE = 0.8
-"""Log efficiency gained by a body of e times the reach (largest extent at rest), up to LARGE[0]:
-longer limbs make longer strides."""
+STRIDE = 1.5
+"""Log efficiency gained by legs of e times the length, up to LONG[0]: they make longer strides."""
 
-LARGE = (1.4, 1.8)
-"""Reach in m from which a robot gains nothing, and from which it loses: motors of fixed strength
-swing long limbs slowly."""
+LONG = (1.0, 1.6)
+"""Length of a leg's moving limbs in m from which a robot gains nothing, and from which it loses:
+motors of fixed strength swing long legs slowly."""
 
 SLENDER = (1.5, 50.0)
 """Length over radius of a limb: balls below, needles that nothing steadies above."""
@@ -39,7 +38,7 @@ SLENDER = (1.5, 50.0)
 UNEVEN_LENGTHS, UNEVEN_RADII = 0.5, 0.4
 """Standard deviation of the log over a body's limbs that is still called proportionate."""
 
-EDGE = 0.25
+EDGE = 0.2
 """Share of a radius's range, from its lower bound, that is approached with suspicion: the thinnest
 limbs weigh next to nothing, and what weighs nothing is flung about by motors of fixed strength."""
 
@@ -69,7 +68,7 @@ class Prior:
         lengths, radii, volumes = self._solids(bodies)
         merit = -LIGHTNESS * np.log(volumes) - self._oddity_of_solids(bodies, lengths, radii)
         if (pose := self._pose(bodies)) is not None:
-            merit += STRIDE * np.log(np.clip(pose.reach, 0.01, LARGE[0])) - _oddity_of_pose(pose)
+            merit += STRIDE * np.log(np.clip(pose.stride, 0.01, LONG[0])) - _oddity_of_pose(pose)
         return merit
 
     def oddity(self, bodies: Array) -> Array:
@@ -129,7 +128,7 @@ def _oddity_of_pose(pose: Pose) -> Array:
     stands = pose.height > 1e-6
     lies = np.maximum(LOW - pose.height / pose.reach, 0) / LOW
     oddity: Array = (
-        np.maximum(np.log(pose.reach / LARGE[1]), 0)
+        STRIDE * np.maximum(np.log(pose.stride / LONG[1]), 0)
         - 2 * np.log(pose.leverage)
         + 4 * np.minimum(pose.overhang, 1)
         + 3 * np.minimum(pose.tilt, 1)

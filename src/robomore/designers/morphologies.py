@@ -21,10 +21,7 @@ Array = NDArray[np.float64]
 POOL = 512
 """Bodies to choose from: some hundred times as many as are ever asked for at once."""
 
-ROUNDS = 20
-"""Rounds of differential evolution that lift the pool from valid to believable."""
-
-FAR = 1.0
+FAR = 2.0
 """How much log efficiency a doubling of the distance to the nearest earlier body is worth."""
 
 
@@ -67,7 +64,8 @@ class Proposer:
         random = np.random.default_rng(derive_seed(self._seed, "pool", self._task.id))
         points = self._scattered(random)
         merits = self._prior.expected(self._space.values(points))
-        for _ in range(ROUNDS):
+        # As many rounds as parameters: the more there are, the rarer are sound bodies by chance.
+        for _ in range(self._space.size):
             children = _crossed(points, random)
             bodies = self._space.values(children)
             valid = self._space.valid(bodies)

@@ -52,6 +52,16 @@ class Pose:
         return reach
 
     @property
+    def stride(self) -> Array:
+        """Length of a leg's limbs from its first hinge on, mean over legs, in m, (n,); the reach of
+        a body without legs."""
+        legs = [[limb for limb in leg if limb >= min(self.swung)] for leg in self.legs]
+        if not any(legs):
+            return self.reach
+        stride: Array = np.mean([self.lengths[:, leg].sum(axis=1) for leg in legs if leg], axis=0)
+        return stride
+
+    @property
     def height(self) -> Array:
         """From the lowest to the highest limb end, (n,)."""
         heights = self.ends[..., 2].reshape(len(self.radii), -1)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.designers.believable import Prior
-from robomore.designers.space import UnitSpace
+from robomore.designers.space import UnitSpace, distances
 from robomore.designers.surrogate import GaussianProcess, expected_improvement
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
@@ -68,6 +68,7 @@ class Refiner:
         bodies = self._space.values(points)
         fresh = np.array([tuple(body) not in known for body in bodies.tolist()])
         bodies = bodies[fresh & self._space.valid(bodies)]
+        bodies = self._away_from_failures(bodies, (*history, best))
         if not len(bodies):
             raise ProposalFailed(
                 f"{self._task.id}: no valid body found near {best.design.morphology.parameters}"
@@ -98,6 +99,18 @@ class Refiner:
         step = np.clip(step, -trust, trust)
         moved: Array = np.clip(centre + np.where(changed, step, 0), 0, 1)
         return moved
+
+    def _away_from_failures(self, bodies: Array, evaluations: Sequence[Evaluation]) -> Array:
+        """Return those of `bodies` whose nearest measured body worked, or all if there are none."""
+        failed = [e.design.morphology.parameters for e in evaluations if e.status in BODY_FAULTS]
+        worked = [e.design.morphology.parameters for e in evaluations if e.ok]
+        if not failed or not worked:
+            return bodies
+        points = self._space.units(bodies)
+        to_failed = distances(points, self._space.units(failed)).min(axis=1, initial=np.inf)
+        to_worked = distances(points, self._space.units(worked)).min(axis=1, initial=np.inf)
+        sound = to_worked <= to_failed
+        return bodies[sound] if sound.any() else bodies
 
     def _promise(self, bodies: Array, best: Evaluation, history: Sequence[Evaluation]) -> Array:
         """Return the expected improvement of each of `bodies`, in log score, (n,)."""
@@ -135,20 +148,10 @@ class Refiner:
         means = [np.mean([y - effects[reward] for reward, y in rows[b].items()]) for b in bodies]
         values = [float(mean) for mean in means]
         counts = [len(rows[body]) for body in bodies]
-        for e in evaluations:
-            parameters = e.design.morphology.parameters
-            if e.status in BODY_FAULTS and parameters not in rows and self._accepts(parameters):
-                rows[parameters] = {}
-                bodies.append(parameters)
-                values.append(float(np.log(least)))
-                counts.append(1)
         measured = np.array(bodies, dtype=float)
         # Efficiency's volume is exact, so the model is of fitness; its oddity is a guess that the
         # measurements correct.
         return measured, np.array(values) + self._prior.oddity(measured), np.array(counts, float)
-
-    def _accepts(self, parameters: Sequence[float]) -> bool:
-        return bool(self._space.valid(np.array([parameters], dtype=float))[0])
 
     def _trust(self, best: Evaluation, history: Sequence[Evaluation]) -> float:
         """Return the region's half-width: smaller after each step from `best` in vain."""

@@ -25,8 +25,8 @@ _SURVIVAL = (
         "stay healthy",
         "A bonus for every step in which the robot has not fallen.",
         "alive = {w} * float({falls})",
-        0.2,
-        1.0,
+        0.4,
+        1.5,
         "survival",
     ),
 )

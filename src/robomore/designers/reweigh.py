@@ -104,6 +104,11 @@ class Reweigher:
                     yield Change(
                         recipe.having(term, term.high), "it stands still: get it going", 2.0
                     )
+            lead = recipe.lead
+            if lead is not None:
+                # Early in learning, a reward must be loud to be heard over the policy's entropy.
+                louder = recipe.having(lead, 2 * recipe.weights[lead.name])
+                yield Change(louder, "it stands still: a louder task", 2.0)
             standing = [term.name for term in recipe.terms if term.part in ("survival", "cost")]
             if standing:
                 yield Change(
@@ -140,13 +145,13 @@ class Reweigher:
             if gain <= 0 or source == best.design.reward.source:
                 continue
             other = self._composer.recipe(source)
-            for term in other.terms:
-                if recipe.weights.get(term.name) != other.weights[term.name]:
-                    yield Change(
-                        recipe.having(term, other.weights[term.name]),
-                        f"{term.name} taken over from a reward that did well",
-                        min(gain, 1.5) / len(other.weights),
-                    )
+            apart = [t for t in other.terms if recipe.weights.get(t.name) != other.weights[t.name]]
+            for term in apart:
+                yield Change(
+                    recipe.having(term, other.weights[term.name]),
+                    f"{term.name} taken over from a reward that did well",
+                    1.5 * min(gain, 1) / len(apart),
+                )
 
     def _trials(self, recipe: Recipe, random: np.random.Generator) -> Iterator[Change]:
         """Yield random changes: another leading term, a new term, one less, other weights."""

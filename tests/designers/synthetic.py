@@ -1,0 +1,63 @@
+"""A made-up world for tests of improvement: fitness is known, and nothing is trained."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from robomore.designers.space import UnitSpace
+from robomore.tasks.task import Task
+from robomore.types import (
+    Design,
+    Evaluation,
+    Job,
+    Morphology,
+    Reward,
+    Status,
+    TermStatistics,
+    TrainerSettings,
+)
+
+REWARD = Reward("def _get_rew(self, x_velocity, action):\n    return x_velocity, {}\n")
+
+
+def evaluation(
+    task: Task,
+    morphology: Morphology,
+    reward: Reward = REWARD,
+    fitness: float = 1.0,
+    status: Status = Status.OK,
+    behaviour: Mapping[str, float] | None = None,
+    terms: Mapping[str, float] | None = None,
+) -> Evaluation:
+    """An evaluation with `fitness`, or a failure; `terms` are means, all of them steady."""
+    job = Job(task.id, Design(morphology, reward), TrainerSettings(), 1000, 1, 0)
+    key = f"{morphology.parameters}{reward.source}"
+    if status is not Status.OK:
+        return Evaluation(key, job, status, "it did not go well")
+    volume = task.volume(morphology.parameters)
+    return Evaluation(
+        key,
+        job,
+        status,
+        fitness=fitness,
+        volume=volume,
+        efficiency=fitness / volume,
+        behaviour=dict(behaviour or {}),
+        terms={name: TermStatistics(m, m - 0.1, m + 0.1) for name, m in (terms or {}).items()},
+    )
+
+
+class Bowl:
+    """Fitness that falls off with the distance to one body, in a task's unit cube."""
+
+    def __init__(self, task: Task, summit: Sequence[float]) -> None:
+        self.task = task
+        self.space = UnitSpace(task)
+        self.summit = self.space.units([summit])[0]
+
+    def measure(self, morphology: Morphology, reward: Reward = REWARD) -> Evaluation:
+        gap = self.space.units([morphology.parameters])[0] - self.summit
+        fitness = 50 * float(np.exp(-16 * np.mean(gap**2)))
+        return evaluation(self.task, morphology, reward, fitness)
