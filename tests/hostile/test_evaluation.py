@@ -1,0 +1,148 @@
+"""Strangers in whole evaluations: checked first, and with the check switched off."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from attempts import Attempt, attempts
+from world import World, world
+
+from robomore.evaluation import evaluate as module
+from robomore.evaluation.request import Request
+from robomore.sandbox.check import check_reward
+from robomore.sandbox.contain import Contained, run_contained
+from robomore.sandbox.layers import strict_is_possible
+from robomore.tasks import get_task
+from robomore.types import (
+    Design,
+    Evaluation,
+    Job,
+    Limits,
+    Morphology,
+    Reward,
+    Status,
+    TrainerSettings,
+)
+
+pytestmark = pytest.mark.skipif(
+    not strict_is_possible(), reason="this machine cannot contain a stranger"
+)
+
+TASK = get_task("swimmer")
+HONEST = "def _get_rew(self, x_velocity, action):\n    return x_velocity, {'speed': x_velocity}\n"
+FURTHEST = 2.0
+"""No policy of one constant action swims further than this in an episode, in m."""
+LIMITS = Limits(
+    wall_seconds=30.0,
+    reward_call_seconds=0.4,
+    stall_seconds=8.0,
+    memory_bytes=700 * 2**20,
+    file_bytes=8 * 2**20,
+)
+
+
+@pytest.fixture(scope="module")
+def planted() -> Iterator[World]:
+    with world() as made:
+        yield made
+
+
+@pytest.fixture(autouse=True)
+def quickly(monkeypatch: pytest.MonkeyPatch, planted: World) -> list[Contained]:
+    """Evaluate with the quick trainer; returns what came out of each child."""
+    seen: list[Contained] = []
+
+    def run(function: str, *arguments: object, readable: object, **options: object) -> Contained:
+        folders = [Path(__file__).parent, planted.root / "readable"]
+        seen.append(
+            run_contained("whole:train", *arguments, readable=folders, **options)  # type: ignore[arg-type]
+        )
+        return seen[-1]
+
+    monkeypatch.setattr(module, "run_contained", run)
+    monkeypatch.setattr(module, "compiled_trainer", lambda shape, containment: None)
+    return seen
+
+
+def evaluate(planted: World, name: str, source: str) -> Evaluation:
+    job = Job(
+        TASK.id,
+        Design(Morphology(TASK.human), Reward(source)),
+        TrainerSettings("crossq", {"simulations": 4}),
+        steps=240,
+        episodes=1,
+        seed=1,
+        limits=LIMITS,
+    )
+    request = Request(job, key=name, scratch=str(planted.scratch(name)))
+    return module.evaluate(request, lambda steps: None)
+
+
+def look(
+    planted: World,
+    attempt: Attempt,
+    evaluation: Evaluation,
+    seen: list[Contained],
+    record: pytest.RecordProperty,
+) -> None:
+    """Record what came of an attempt and make sure that nothing got across."""
+    contained = seen[-1] if seen else Contained(evaluation.status, diagnosis=evaluation.diagnosis)
+    breaches = planted.breaches(contained, planted.root / "scratch" / "none")
+    record("attempt", attempt.words)
+    record("check", "error" if evaluation.status is Status.INVALID_REWARD else "passed")
+    record("outcome", evaluation.status.value)
+    record("breaches", "; ".join(breaches) or "none")
+    assert not breaches
+    assert evaluation.ok == (evaluation.diagnosis == "")
+    if evaluation.fitness is not None:
+        assert abs(evaluation.fitness) < FURTHEST
+        assert evaluation.volume == TASK.volume(TASK.human)
+        assert evaluation.efficiency == evaluation.fitness / evaluation.volume
+        assert "fitness" not in evaluation.behaviour
+
+
+@pytest.mark.parametrize("attempt", attempts(), ids=lambda attempt: attempt.name)
+def test_with_the_check(
+    attempt: Attempt,
+    planted: World,
+    quickly: list[Contained],
+    record_property: pytest.RecordProperty,
+) -> None:
+    source = planted.address(attempt.source)
+    faults = [it for it in check_reward(source) if it.severity == "error"]
+    evaluation = evaluate(planted, attempt.name, source)
+    if faults:
+        assert evaluation.status is Status.INVALID_REWARD
+        assert not quickly, "it was run in spite of the check"
+        assert f"line {faults[0].line}: {faults[0].message}" in evaluation.diagnosis
+    look(planted, attempt, evaluation, quickly, record_property)
+
+
+@pytest.mark.strangers
+@pytest.mark.parametrize("attempt", attempts(), ids=lambda attempt: attempt.name)
+def test_without_the_check(
+    attempt: Attempt,
+    planted: World,
+    quickly: list[Contained],
+    record_property: pytest.RecordProperty,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "check_reward", lambda source: [])
+    evaluation = evaluate(planted, attempt.name, planted.address(attempt.source))
+    assert quickly, "it was not run"
+    look(planted, attempt, evaluation, quickly, record_property)
+
+
+def test_an_honest_evaluation_is_the_same_before_and_after(
+    planted: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = evaluate(planted, "honest", HONEST)
+    assert before.ok, before.diagnosis
+    monkeypatch.setattr(module, "check_reward", lambda source: [])
+    for attempt in attempts():
+        if attempt.name in ("cheat/patch_numpy", "cheat/small_integers", "broken/global_random"):
+            evaluate(planted, attempt.name, planted.address(attempt.source))
+    after = evaluate(planted, "honest", HONEST)
+    assert (after.fitness, after.terms) == (before.fitness, before.terms)
