@@ -47,7 +47,7 @@ $(VENV)/.made:
 		echo "Name another one, for example: make $(MAKECMDGOALS) PYTHON=python3.12" >&2; exit 2; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
 		echo "'$(PYTHON)' cannot make virtual environments; on Debian and Ubuntu: apt install python3-venv" >&2; exit 2; }
-	@echo "Setting up $(VENV) (once; it downloads some 250 MB)"
+	@echo "Setting up $(VENV) (once; it downloads some 200 MB)"
 	@$(PYTHON) -m venv $(VENV)
 	@touch $@
 
