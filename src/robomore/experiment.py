@@ -5,24 +5,32 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
-from robomore.designers import make_designer
+import msgspec
+
+from robomore.designers import Designer, LanguageModel, Replay, make_designer
+from robomore.designers.llm import LLMDesigner, LLMSettings
 from robomore.designers.recorded import RecordedDesigner
-from robomore.errors import Interrupted
+from robomore.errors import InputError, Interrupted
 from robomore.evaluation.evaluate import evaluate as evaluate_request
 from robomore.evaluation.evaluator import Evaluator
+from robomore.evaluation.pictures import pictures
+from robomore.evaluation.rehearse import Rehearsal
 from robomore.evaluation.request import Request
 from robomore.events import Observer, RunBegan, ignore
 from robomore.executors import Processes
 from robomore.identity import job_key
+from robomore.llm import Correspondence, MemoryLog, ReplayModel
 from robomore.report import write_report
+from robomore.sandbox.contain import Containment
 from robomore.search import final, robomore
 from robomore.settings import RunSettings, preset
-from robomore.store import Ledger, Manifest, RunFolder, package_versions
+from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder, package_versions
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.types import Design, Evaluation, Job, Morphology, Reward
@@ -46,7 +54,7 @@ class RunResult:
 def run(
     task: str | Task,
     settings: str | RunSettings = "quick",
-    designer: str = "offline",
+    designer: str | LanguageModel | Replay = "offline",
     seed: int = 0,
     workers: int | None = None,
     out: str | Path | None = None,
@@ -59,7 +67,8 @@ def run(
     Args:
         task: a task or its id.
         settings: a preset's name, or settings of your own.
-        designer: who proposes (`robomore.designers.DESIGNERS`).
+        designer: who proposes: a name (`robomore.designers.DESIGNERS`), a language model, or what
+            one said in another run.
         seed: same seed, same result, whatever the number of workers.
         workers: processes to train in, one a core by default.
         out: the run's folder; by default `runs/TASK-PRESET-DESIGNER-sSEED`.
@@ -70,6 +79,7 @@ def run(
     Raises:
         InputError: something asked for cannot be done; nothing was started.
         NothingTrained: every candidate failed.
+        BudgetExhausted, ModelUnavailable: of a language model; the same call goes on later.
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
     task = get_task(task) if isinstance(task, str) else task
@@ -77,16 +87,19 @@ def run(
     workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     objective = settings.search.objective
-    proposing = make_designer(designer, task, seed, objective)
-    manifest = Manifest(task.id, task.version, name, designer, proposing.provenance, seed, settings)
-    out = Path(out) if out else Path("runs") / f"{task.id}-{name}-{designer}-s{seed}"
+    chosen = _chosen(designer, task, seed, objective, Containment(containment))
+    manifest = Manifest(
+        *(task.id, task.version, name, chosen.name, chosen.provenance, seed, settings),
+        designer_settings=chosen.settings,
+    )
+    out = Path(out) if out else Path("runs") / f"{task.id}-{name}-{chosen.name}-s{seed}"
 
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
         ledger = stack.enter_context(closing(Ledger(folder.ledger)))
         observe(
-            RunBegan(task.id, name, settings, designer, proposing.provenance, seed, workers, out)
+            RunBegan(task.id, name, settings, chosen.name, chosen.provenance, seed, workers, out)
         )
         executor = stack.enter_context(closing(Processes(workers)))
         evaluator = Evaluator(
@@ -100,7 +113,7 @@ def run(
             containment=containment,
             observe=observe,
         )
-        recorded = RecordedDesigner(proposing, ledger, observe)
+        recorded = RecordedDesigner(chosen.make(folder, stack), ledger, observe)
         human = Design(Morphology(task.human, "the official robot"), Reward(task.reward))
         try:
             best = robomore(
@@ -178,6 +191,76 @@ def evaluate(
             containment=containment,
         )
         return evaluate_request(request, progress)
+
+
+@dataclass(frozen=True, slots=True)
+class _Chosen:
+    """A designer that is known by its settings, and is made once the run's folder is there."""
+
+    name: str
+    provenance: str
+    make: Callable[[RunFolder, ExitStack], Designer]
+    settings: dict[str, Any] = field(default_factory=dict)
+
+
+def _chosen(
+    designer: str | LanguageModel | Replay,
+    task: Task,
+    seed: int,
+    objective: str,
+    containment: Containment,
+) -> _Chosen:
+    if isinstance(designer, str):
+        made = make_designer(designer, task, seed, objective)
+        return _Chosen(designer, made.provenance, lambda folder, stack: made)
+    model = _recorded(designer) if isinstance(designer, Replay) else designer
+    # Before anything is written, refuse a limit that cannot be kept.
+    Correspondence(model.model, MemoryLog(), model.budget)
+
+    def make(folder: RunFolder, stack: ExitStack) -> Designer:
+        log = stack.enter_context(closing(LedgerExchanges(folder.ledger)))
+        return LLMDesigner(
+            task,
+            Correspondence(model.model, log, model.budget),
+            model.settings,
+            objective=objective,
+            rehearse=Rehearsal(task, folder.scratch, containment),
+            pictures=partial(_seen, task, folder.artifacts) if model.vision else None,
+        )
+
+    provenance = f"Proposed by a language model: {model.model.name}"
+    if isinstance(designer, Replay):
+        identity = {**model.identity, "replayed": designer.by}
+        return _Chosen(Replay.name, f"{provenance}, as recorded in {designer.run}.", make, identity)
+    return _Chosen(LanguageModel.name, f"{provenance}.", make, model.identity)
+
+
+def _recorded(replay: Replay) -> LanguageModel:
+    """Return the model and the settings of a recorded run.
+
+    Raises:
+        InputError: no language model designed that run.
+    """
+    folder = RunFolder.existing(replay.run)
+    manifest = Manifest.load(folder.manifest)
+    settings = manifest.designer_settings
+    if "model" not in settings:
+        raise InputError(
+            f"{replay.run} was designed by {manifest.designer!r}; name the run of a language model"
+        )
+    with closing(LedgerExchanges(folder.ledger, read_only=True)) as log:
+        model = ReplayModel(log, replay.by)
+    try:
+        used = msgspec.convert(settings, LLMSettings)
+    except msgspec.ValidationError as error:
+        raise InputError(f"{folder.manifest} is damaged ({error}); name another run") from None
+    return LanguageModel(
+        model, used, vision=bool(settings.get("vision")), server=str(settings.get("server", ""))
+    )
+
+
+def _seen(task: Task, artifacts: Path, evaluation: Evaluation) -> list[bytes]:
+    return pictures(task, evaluation, artifacts)
 
 
 def available_cores() -> int:

@@ -22,6 +22,8 @@ COMMANDS = {
     "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
+    "prompt": ("robomore.cli.prompt:prompt", "Print what a language model would be told."),
+    "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
 }
 """Name -> (`module:function`, one line of help), in the order in which they are shown."""
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from robomore.cli.inputs import positive
+from robomore.cli.llm import ModelOptions, ReplayOptions, chosen, forecast
 from robomore.cli.output import write_json
 
 
@@ -31,6 +33,8 @@ def run(
     containment: Literal["strict", "relaxed"] = "strict",
     quiet: Annotated[bool, Parameter(negative="")] = False,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
+    model: ModelOptions | None = None,
+    replay: ReplayOptions | None = None,
 ) -> None:
     """Search for the best body and reward for a task.
 
@@ -43,7 +47,8 @@ def run(
     preset
         `smoke` (under a minute), `quick` (about five), `standard` or `paper`.
     designer
-        Who proposes: `offline` (no LLM, the default), `human` or `random` (baselines).
+        Who proposes: `offline` (no LLM, the default), `llm` (with `--model`), `replay` (with
+        `--from`), `human` or `random` (baselines).
     seed
         Same seed, same result, whatever the number of workers.
     workers
@@ -92,17 +97,21 @@ def run(
         options["objective"] = objective
     settings = overridden(settings_of(preset), options)
     name = settings_name(preset, options)
-    chosen = get_task(task)
+    wanted = get_task(task)
+    proposing = chosen(designer, model, replay)
     folder = out or Path("runs") / f"{task}-{name}-{designer}-s{seed}"
 
     from robomore.cli.live import watched
+    from robomore.designers import LanguageModel
     from robomore.experiment import run as start
 
+    if isinstance(proposing, LanguageModel) and not quiet:
+        sys.stderr.write(forecast(wanted, proposing, settings.search) + "\n")
     with watched(quiet) as observe:
         start(
-            chosen,
+            wanted,
             settings,
-            designer=designer,
+            designer=proposing,
             seed=seed,
             workers=workers,
             out=folder,

@@ -11,6 +11,7 @@ from robomore.designers.parsing import (
     BadReply,
     Check,
     errors,
+    in_words,
     parse_morphology,
     parse_reward,
 )
@@ -84,7 +85,7 @@ class LLMDesigner:
             settings: how the model is used.
             objective: what the search compares.
             check: reads the text of a reward.
-            rehearse: tries a reward out on recorded transitions; `None` to skip that.
+            rehearse: tries a reward out on moving bodies; `None` to skip that.
             pictures: draws what is to be improved, for a model that can see.
         """
         self.provenance = f"Proposed by a language model: {correspondence.model.name}."
@@ -154,9 +155,10 @@ class LLMDesigner:
             reward = parse_reward(exchange.reply, taken, exchange.truncated, self._check)
             # A rehearsal measures time and may judge differently tomorrow: it is believed once.
             if exchange.findings is None and self._rehearse is not None:
-                faults = errors(self._rehearse(reward.source))
-                if faults:
-                    raise BadReply(faults)
+                found = self._rehearse(reward.source)
+                # What is merely doubtful is said once; then the model knows what it wants.
+                if errors(found) or (found and not exchange.repair and self._settings.repairs):
+                    raise BadReply(in_words(found))
             return reward
 
         return self._repaired(slot, prompt, read, None)

@@ -95,7 +95,12 @@ def parse_reward(
 
 def errors(findings: Sequence[Finding]) -> list[str]:
     """Return the findings that keep a reward from being trained, each with its line."""
-    return [f"line {f.line}: {f.message}" for f in findings if f.severity == "error"]
+    return in_words([finding for finding in findings if finding.severity == "error"])
+
+
+def in_words(findings: Sequence[Finding]) -> list[str]:
+    """Return findings as they are told to a model, each with its line."""
+    return [f"line {finding.line}: {finding.message}" for finding in findings]
 
 
 def _cut_off(truncated: bool) -> list[str]:

@@ -1,13 +1,21 @@
-"""Designers by name: those that need nothing but a task, and those that other packages add."""
+"""Designers to choose from: by name where a task is all they need, else with their settings."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+from urllib.parse import urlsplit, urlunsplit
+
+import msgspec
 
 from robomore.designers.designer import Designer
+from robomore.designers.llm import LLMSettings
 from robomore.errors import InputError
+from robomore.llm import ChatModel, ModelBudget
 from robomore.tasks.task import Task
 
 GROUP = "robomore.designers"
@@ -39,15 +47,69 @@ DESIGNERS: dict[str, Factory] = {"offline": _offline, "human": _human, "random":
 """Designers that need no settings of their own. They are imported when they are first made."""
 
 
+@dataclass(frozen=True, slots=True)
+class LanguageModel:
+    """A language model as the designer.
+
+    Attributes:
+        model: what is asked (`robomore.llm.connect` gives one by its name).
+        settings: how it is used.
+        budget: what it may cost; no part of a run's identity.
+        vision: whether it is shown pictures of what it is to improve.
+        server: URL of a server of one's own.
+    """
+
+    name: ClassVar[str] = "llm"
+    model: ChatModel
+    settings: LLMSettings = field(default_factory=LLMSettings)
+    budget: ModelBudget = field(default_factory=ModelBudget)
+    vision: bool = False
+    server: str = ""
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What decides the proposals, as plain data: no key, no password, no limit."""
+        return {
+            "model": self.model.name,
+            "server": _public(self.server),
+            "vision": self.vision,
+            **msgspec.to_builtins(self.settings),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """The recorded exchanges of another run as the designer.
+
+    Attributes:
+        run: folder of the recorded run, whose settings of the model hold again.
+        by: `content` answers the very prompts of the recorded run, `slot` whatever is asked in the
+            same place.
+    """
+
+    name: ClassVar[str] = "replay"
+    run: Path
+    by: Literal["content", "slot"] = "content"
+
+
+_WITH_SETTINGS = {
+    LanguageModel.name: "--model PROVIDER:NAME; in Python, give a `LanguageModel`",
+    Replay.name: "--from RUN; in Python, give a `Replay`",
+}
+
+
 def make_designer(name: str, task: Task, seed: int, objective: str = "efficiency") -> Designer:
     """Return the designer called `name`.
 
     Raises:
         InputError: there is none of that name, or a package that adds designers is broken.
     """
+    if name in _WITH_SETTINGS:
+        raise InputError(f"the designer {name!r} needs {_WITH_SETTINGS[name]}")
     factories = DESIGNERS if name in DESIGNERS else all_designers()
     if name not in factories:
-        raise InputError(f"no designer is called {name!r}; choose one of {', '.join(factories)}")
+        names = ", ".join([*factories, *_WITH_SETTINGS])
+        raise InputError(f"no designer is called {name!r}; choose one of {names}")
     return factories[name](task, seed, objective)
 
 
@@ -75,3 +137,9 @@ def all_designers() -> dict[str, Factory]:
             )
         found[entry.name] = factory
     return found
+
+
+def _public(url: str) -> str:
+    """Return a URL without what may be secret in it."""
+    parts = urlsplit(url)
+    return urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, "", ""))

@@ -6,6 +6,7 @@ import platform
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -40,6 +41,9 @@ class Manifest:
     provenance: str
     seed: int
     settings: RunSettings
+    designer_settings: dict[str, Any] = field(default_factory=dict)
+    """What decides the proposals of a designer that has settings of its own, such as the language
+    model and how it is used; never a key."""
     versions: dict[str, str] = field(default_factory=package_versions)
     format: int = FORMAT
 
@@ -79,7 +83,10 @@ class Manifest:
         Raises:
             RunFolderError: naming what differs and what to do.
         """
-        for name in ("task", "task_version", "designer", "seed", "settings", "versions"):
+        for name in (
+            *("task", "task_version", "designer", "designer_settings", "seed"),
+            *("settings", "versions"),
+        ):
             mine, theirs = getattr(self, name), getattr(asked, name)
             if mine == theirs:
                 continue
@@ -88,12 +95,16 @@ class Manifest:
                 said = f"{name} is {mine!r} there and {theirs!r} here"
             elif name == "settings":
                 said = f"its settings (preset {self.preset!r}) differ from these ({asked.preset!r})"
+            elif name == "designer_settings":
+                said = "its designer was told otherwise: " + _difference(mine, theirs)
             elif name == "task_version":
                 said = f"its task has version {mine}, this RoboMoRe has version {theirs}"
             else:
-                changed = sorted(k for k in mine | theirs if mine.get(k) != theirs.get(k))
-                said = "other package versions made it: " + ", ".join(
-                    f"{k} {mine.get(k)} there, {theirs.get(k)} here" for k in changed
-                )
+                said = "other package versions made it: " + _difference(mine, theirs)
                 remedy += " or install those versions"
             raise RunFolderError(f"{folder} holds another run: {said}; {remedy}")
+
+
+def _difference(mine: dict[str, Any], theirs: dict[str, Any]) -> str:
+    changed = sorted(k for k in mine | theirs if mine.get(k) != theirs.get(k))
+    return ", ".join(f"{k} {mine.get(k)} there, {theirs.get(k)} here" for k in changed)

@@ -1,0 +1,210 @@
+"""What the command line says of a language model, and `robomore llm check`."""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import App, Parameter
+
+from robomore.errors import InputError
+
+if TYPE_CHECKING:
+    from robomore.designers import LanguageModel, Replay
+    from robomore.settings import SearchSettings
+    from robomore.tasks import Task
+
+llm = App(name="llm", help="Ask a language model whether it can design.")
+
+_STRUCTURED = {
+    "schema": "keeps a JSON schema",
+    "words": "gives JSON when asked in words; a schema is refused or not kept",
+    "no": "no; expect many repairs, or choose another model",
+}
+_TRIES_OF_CHECK = 2
+
+
+@Parameter(name="*", group="Language model")
+@dataclass(frozen=True, kw_only=True)
+class ModelOptions:
+    """Which language model designs, how it is used, and what it may cost.
+
+    Attributes
+    ----------
+    model
+        PROVIDER:NAME (`openai:`, `anthropic:`, `google:`, `ollama:`), or NAME with `--base-url`.
+    base_url
+        Of any OpenAI-compatible server, such as http://127.0.0.1:8080/v1.
+    price
+        IN,OUT in US dollars per million tokens, for a model without a known price.
+    max_requests
+        Stop before more requests than this.
+    max_tokens
+        Stop before more tokens than this, in and out.
+    max_cost
+        Stop before a higher cost than this, in US dollars.
+    diversity
+        Show each new proposal all earlier ones (Diversity Reflection).
+    repairs
+        How often a bad answer is sent back with its faults.
+    history_tokens
+        The most that the history in a prompt may take.
+    history_rule
+        What of the history is taken in turn: best, worst, different, failed, recent.
+    vision
+        Show pictures of the best body and of how it moved.
+    temperature
+        Of the sampling; by default the provider's.
+    effort
+        How long a reasoning model may think: minimal, low, medium or high.
+    max_output_tokens
+        Where an answer is cut off; by default the provider's.
+    """
+
+    model: str = ""
+    base_url: str | None = None
+    price: str | None = None
+    max_requests: int | None = None
+    max_tokens: int | None = None
+    max_cost: float | None = None
+    diversity: bool = True
+    repairs: int = 3
+    history_tokens: int = 8000
+    history_rule: str = "best+worst+different+failed"
+    vision: Annotated[bool, Parameter(negative="")] = False
+    temperature: float | None = None
+    effort: Literal["minimal", "low", "medium", "high"] | None = None
+    max_output_tokens: int | None = None
+
+
+@Parameter(name="*", group="Replay")
+@dataclass(frozen=True, kw_only=True)
+class ReplayOptions:
+    """Which recorded exchanges design.
+
+    Attributes
+    ----------
+    source
+        Folder of the recorded run.
+    by
+        `content` answers the very prompts of that run, `slot` whatever is asked in the same place.
+    """
+
+    source: Annotated[Path | None, Parameter("--from")] = None
+    by: Literal["content", "slot"] = "content"
+
+
+def chosen(
+    designer: str, model: ModelOptions | None, replay: ReplayOptions | None
+) -> str | LanguageModel | Replay:
+    """Return what is to design; `None` stands for options of which none was given.
+
+    Raises:
+        InputError: an option is missing, makes no sense or belongs to another designer.
+    """
+    from robomore.designers import LanguageModel, Replay
+
+    if model is not None and designer != LanguageModel.name:
+        raise InputError(
+            f"options of a language model were given, but the designer is {designer!r}; "
+            "add --designer llm"
+        )
+    if replay is not None and designer != Replay.name:
+        raise InputError(
+            f"--from and --by were given, but the designer is {designer!r}; add --designer replay"
+        )
+    if designer == LanguageModel.name:
+        return language_model(model or ModelOptions())
+    if designer == Replay.name and replay is not None and replay.source is not None:
+        return Replay(replay.source, replay.by)
+    return designer
+
+
+def language_model(options: ModelOptions) -> LanguageModel:
+    """Return the model that the options describe, connected; nothing is sent yet.
+
+    Raises:
+        InputError: an option is missing or makes no sense.
+    """
+    from robomore.designers import LanguageModel
+    from robomore.designers.history import HistorySettings
+    from robomore.designers.llm import LLMSettings
+    from robomore.llm import ModelBudget, Sampling, connect
+
+    if not options.model:
+        raise InputError(
+            "which language model? add --model PROVIDER:NAME, or --base-url URL --model NAME"
+        )
+    for name in ("max_requests", "max_tokens", "max_cost", "max_output_tokens"):
+        value = getattr(options, name)
+        if value is not None and not value > 0:
+            raise InputError(f"--{name.replace('_', '-')} is {value}; give more than 0")
+    settings = LLMSettings(
+        diversity=options.diversity,
+        repairs=options.repairs,
+        history=HistorySettings(options.history_tokens, options.history_rule),
+        sampling=Sampling(
+            temperature=options.temperature,
+            max_output_tokens=options.max_output_tokens,
+            effort=options.effort,
+        ),
+    )
+    budget = ModelBudget(options.max_requests, options.max_tokens, options.max_cost)
+    model = connect(options.model, options.base_url, _price(options.price))
+    return LanguageModel(model, settings, budget, options.vision, options.base_url or "")
+
+
+def forecast(task: Task, model: LanguageModel, search: SearchSettings) -> str:
+    """Return one line on what a whole run will ask of a model."""
+    from robomore.designers.estimate import estimate
+
+    branches = max(1, math.floor(search.survivors * search.morphologies * search.rewards + 0.5))
+    expected = estimate(
+        task,
+        model.settings,
+        model.model.cost,
+        morphologies=search.morphologies,
+        rewards=search.rewards,
+        branches=branches,
+        cycles=search.max_cycles,
+    )
+    return f"{model.model.name}: the whole run takes {expected}, if no branch ends early"
+
+
+@llm.command
+def check(*, model: ModelOptions | None = None) -> None:
+    """Send two small requests: does the model answer, and can it keep to a form?"""
+    from robomore.llm import check as ask
+    from robomore.llm import connect
+    from robomore.llm.retry import Patience
+
+    model = model or ModelOptions()
+    asked = language_model(model)
+    found = ask(
+        connect(model.model, model.base_url, _price(model.price), Patience(tries=_TRIES_OF_CHECK)),
+        asked.settings.sampling,
+    )
+    cost = "price unknown" if found.cost is None else f"${found.cost:.4f}"
+    sys.stdout.write(
+        f"model:   {found.model}\n"
+        f"answers: {found.reply or '(nothing)'}\n"
+        f"JSON:    {_STRUCTURED[found.structured]}\n"
+        f"took:    {found.seconds:.1f} s, {found.tokens} tokens, {cost}\n"
+    )
+
+
+def _price(given: str | None) -> tuple[float, float] | None:
+    if given is None:
+        return None
+    try:
+        into, out = (float(number) for number in given.split(","))
+    except ValueError:
+        into = out = -1.0
+    if not (0 <= into < math.inf and 0 <= out < math.inf):
+        raise InputError(
+            f"--price {given} is not IN,OUT; give US dollars per million tokens, such as 2.5,10"
+        )
+    return into, out

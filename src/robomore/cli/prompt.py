@@ -1,0 +1,130 @@
+"""`robomore prompt`: what a language model is told, without asking one."""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from robomore.cli.output import write_json
+from robomore.errors import InputError
+
+if TYPE_CHECKING:
+    from robomore.tasks import Task
+    from robomore.types import Evaluation, Morphology, Reward
+
+
+def prompt(
+    task: str,
+    kind: Literal["morphology", "reward", "improve-morphology", "improve-reward"],
+    /,
+    *,
+    source: Annotated[Path | None, Parameter("--from")] = None,
+    objective: Literal["efficiency", "fitness"] | None = None,
+    history_tokens: int | None = None,
+    history_rule: str | None = None,
+    as_json: Annotated[bool, Parameter("--json", negative="")] = False,
+) -> None:
+    """Print exactly what would be sent to a language model.
+
+    Parameters
+    ----------
+    task
+        Id of a task (`robomore tasks` lists them).
+    kind
+        What is asked for.
+    source
+        Folder of a run: its proposals are the earlier ones, its best design is to be improved.
+    objective
+        What the search compares; by default what the run does, or `efficiency`.
+    history_tokens
+        The most that the history may take; by default what the run says, or 8000.
+    history_rule
+        What of the history is taken in turn; by default what the run says.
+    as_json
+        Print JSON: the messages, and the schema that a provider may enforce.
+    """
+    from robomore.designers.history import HistorySettings
+    from robomore.designers.prompting import morphology_schema, render_prompt
+    from robomore.tasks import get_task
+
+    chosen = get_task(task)
+    seen = _Seen() if source is None else _seen(chosen, source)
+    if seen.best is None and kind.startswith("improve"):
+        raise InputError(
+            f"the prompt {kind!r} improves on something measured; name a run that has trained "
+            "something with --from RUN"
+        )
+    given = {"tokens": history_tokens, "rule": history_rule}
+    history = replace(
+        HistorySettings(),
+        **seen.history | {name: value for name, value in given.items() if value is not None},
+    )
+    messages = render_prompt(
+        chosen,
+        kind,
+        objective=objective or seen.objective,
+        earlier=seen.morphologies if kind == "morphology" else seen.rewards,
+        best=seen.best,
+        measured=seen.measured,
+        settings=history,
+    )
+    schema = morphology_schema(chosen) if kind.endswith("morphology") else None
+    if as_json:
+        told = [{"role": message.role, "text": message.text} for message in messages]
+        write_json({"messages": told, "schema": schema})
+        return
+    for message in messages:
+        sys.stdout.write(f"--- {message.role} ---\n{message.text}\n")
+    if schema is not None:
+        sys.stdout.write(f"--- schema ---\n{json.dumps(schema, indent=2)}\n")
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What a run has to show."""
+
+    objective: Literal["efficiency", "fitness"] = "efficiency"
+    morphologies: list[Morphology] = field(default_factory=list)
+    rewards: list[Reward] = field(default_factory=list)
+    best: Evaluation | None = None
+    measured: list[Evaluation] = field(default_factory=list)
+    history: dict[str, Any] = field(default_factory=dict)
+
+
+def _seen(task: Task, path: Path) -> _Seen:
+    """Read a run as the next proposal of its best branch would see it.
+
+    Raises:
+        InputError: it is no run of this task.
+    """
+    from robomore.report.way import best_of, in_order
+    from robomore.store import Ledger, Manifest, RunFolder
+
+    folder = RunFolder.existing(path)
+    manifest = Manifest.load(folder.manifest)
+    if manifest.task != task.id:
+        raise InputError(f"{path} is a run of {manifest.task!r}, not of {task.id!r}")
+    with closing(Ledger(folder.ledger, read_only=True)) as ledger:
+        placed = [(p, e) for p, e in in_order(ledger.placed()) if p.stage != "final"]
+        proposals = [p for p in ledger.proposals() if p.slot.stage == "coarse"]
+    proposals.sort(key=lambda proposal: proposal.slot.index)
+    objective = manifest.settings.search.objective
+    fine = [(place, e) for place, e in placed if place.stage == "fine"]
+    grid = [e for place, e in placed if place.stage == "coarse"]
+    best = best_of((e for _, e in placed), objective)
+    # A branch sees the grid and its own trials.
+    branch = next((place.branch for place, e in fine if best and e.key == best.key), None)
+    return _Seen(
+        objective,
+        [p.morphology for p in proposals if p.morphology],
+        [p.reward for p in proposals if p.reward],
+        best,
+        [*grid, *(e for place, e in fine if place.branch == (branch or 0))],
+        manifest.designer_settings.get("history", {}),
+    )
