@@ -24,6 +24,7 @@ CREATE TABLE exchanges (key TEXT PRIMARY KEY, body BLOB, digest BLOB, time REAL)
 CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL) STRICT;
 """
 
+
 @dataclass(frozen=True, slots=True)
 class Proposal:
     """What a designer answered in one slot: a body, a reward, or why there is none."""
