@@ -172,6 +172,8 @@ def evaluate(
     """
     task = get_task(task) if isinstance(task, str) else task
     settings = preset(settings) if isinstance(settings, str) else settings
+    if artifact is not None and artifact.exists() and any(artifact.iterdir()):
+        raise InputError(f"{artifact} is not empty; name a new folder for the policy")
     checked = task.check(task.human if parameters is None else parameters)
     job = Job(
         task=task.id,
