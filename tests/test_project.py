@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import re
 import subprocess
 import sys
 import tomllib
-from importlib.metadata import version
+from importlib.metadata import packages_distributions, version
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -94,6 +96,34 @@ def test_a_lock_names_no_place(lock: str) -> None:
     assert not re.search(r"://|--(extra-)?index-url|--find-links|^-f ", text, re.MULTILINE)
     # Half a gigabyte that only the extra trainer needs.
     assert "torch" not in locked(lock)
+
+
+def test_what_is_imported_is_declared() -> None:
+    project = PROJECT["project"]
+    wanted = [*project["dependencies"], *chain(*project.get("optional-dependencies", {}).values())]
+    declared = {plain(requirement) for requirement in wanted}
+    distributions = packages_distributions()
+    missing = {
+        name
+        for module in (ROOT / "src").rglob("*.py")
+        for name in imported(module)
+        if name not in sys.stdlib_module_names
+        and name != "robomore"
+        # Who provides it, or, where an extra is not installed, the name itself.
+        and not declared & {plain(found) for found in distributions.get(name, [name])}
+    }
+    assert not missing
+
+
+def imported(module: Path) -> set[str]:
+    """Return the top names of all that a module imports, anywhere in it."""
+    found = set()
+    for node in ast.walk(ast.parse(module.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found.add(node.module.partition(".")[0])
+    return found
 
 
 def test_development_uses_what_users_get() -> None:
