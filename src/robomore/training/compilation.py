@@ -1,26 +1,33 @@
-"""JAX's compilation cache: compiling a trainer takes as long as thousands of training steps."""
+"""Compiling once a run rather than once a training: JAX's cache of compiled programs on disk.
+
+What is read from the cache is machine code. It has to be filled by a process that runs no
+stranger's code (`Trainer.prepare`), and to be read-only for one that does.
+"""
 
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 CACHE_VARIABLE = "ROBOMORE_CACHE"
-"""Environment variable that names the cache folder; without it nothing is cached."""
+"""Environment variable that names the folder; without it every process compiles for itself."""
 
 
 def use_cache() -> None:
-    """Let JAX read compiled code from the cache folder, and add to it where it may write."""
+    """Let JAX read compiled programs from the folder that the environment names, and add to it."""
     folder = os.environ.get(CACHE_VARIABLE)
     if not folder:
         return
+
     import jax
 
-    for name, value in {
-        "jax_compilation_cache_dir": folder,
-        # Also what is small or quick to compile, and nothing else of XLA's.
+    options = {
+        "jax_compilation_cache_dir": str(Path(folder).absolute()),
+        # By default only what took a second to compile is kept.
         "jax_persistent_cache_min_compile_time_secs": 0.0,
         "jax_persistent_cache_min_entry_size_bytes": -1,
-        # XLA's own caches put the folder's name into the key, and the folder is renamed once full.
+        # Paths of autotuning results and kernels are of no use here and would enter the keys.
         "jax_persistent_cache_enable_xla_caches": "none",
-    }.items():
+    }
+    for name, value in options.items():
         jax.config.update(name, value)  # type: ignore[no-untyped-call]

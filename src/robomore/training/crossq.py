@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.training import loop, networks
+from robomore.training.compilation import use_cache
 from robomore.training.gaussian import sample
 from robomore.training.networks import Folded, Layer, Moments, Sizes
 from robomore.training.optimiser import Adam, adam_step, initial_adam
@@ -66,7 +67,15 @@ class CrossQ:
 
     def __init__(self, settings: CrossQSettings) -> None:
         use_one_thread()
+        use_cache()
         self.settings = settings
+
+    def prepare(self, observation_size: int, action_size: int) -> None:
+        """Compile for a robot; see `Trainer.prepare`."""
+        updates, batch = self.settings.updates_per_round, self.settings.batch_size
+        learner, _ = self.begin(np.random.default_rng(0), observation_size, action_size)
+        rows = np.zeros((updates, batch, 2 * observation_size + action_size + 2), np.float32)
+        self.learn(learner, rows, np.zeros((updates, 2, batch, action_size), np.float32), done=0)
 
     def train(
         self,
@@ -102,9 +111,10 @@ class CrossQ:
             ),
             (critics, critic_moments, initial_adam(critics)),
         )
-        untrained: Any = networks.layers(jnp.asarray(policy), sizes.policy)
-        layers = [(np.asarray(layer.weight), np.asarray(layer.bias)) for layer in untrained]
-        return Learner(Policy(*learner[0]), Critics(*learner[1])), layers
+        untrained: Any = policy
+        layers: Any = networks.layers(untrained, sizes.policy)
+        acting = [(layer.weight, layer.bias) for layer in layers]
+        return Learner(Policy(*learner[0]), Critics(*learner[1])), acting
 
     def learn(
         self, learner: Learner, rows: NDArray[np.float32], noise: NDArray[np.float32], done: int

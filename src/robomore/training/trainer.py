@@ -52,6 +52,14 @@ class Trainer(Protocol):
     in one go or continued from a checkpoint.
     """
 
+    def prepare(self, observation_size: int, action_size: int) -> None:
+        """Do once what every training on a robot of these sizes would otherwise do by itself.
+
+        A trainer that compiles leaves the result in the cache (`robomore.training.compilation`).
+        No reward's code runs here.
+        """
+        ...
+
     def train(
         self,
         environment: VectorEnvironment,
