@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
@@ -28,12 +29,15 @@ from robomore.identity import job_key
 from robomore.llm import Correspondence, MemoryLog, ReplayModel
 from robomore.report import write_report
 from robomore.sandbox.contain import Containment
+from robomore.sandbox.layers import ensure, strict_is_possible
 from robomore.search import final, robomore
 from robomore.settings import RunSettings, preset
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder, package_versions
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.types import Design, Evaluation, Job, Morphology, Reward
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +62,7 @@ def run(
     seed: int = 0,
     workers: int | None = None,
     out: str | Path | None = None,
-    containment: str = "strict",
+    containment: str | None = None,
     observe: Observer = ignore,
     name: str = "",
 ) -> RunResult:
@@ -72,7 +76,9 @@ def run(
         seed: same seed, same result, whatever the number of workers.
         workers: processes to train in, one a core by default.
         out: the run's folder; by default `runs/TASK-PRESET-DESIGNER-sSEED`.
-        containment: `strict` refuses to run rewards without the operating system's layers.
+        containment: `strict` refuses to start where the operating system lacks a layer that keeps
+            a stranger's code in; `relaxed` uses the layers there are. By default strict, but for
+            rewards of our own (a designer without a language model) where it is not possible.
         observe: told what goes on.
         name: of the settings in the manifest; by default the preset's, or `custom`.
 
@@ -87,7 +93,8 @@ def run(
     workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     objective = settings.search.objective
-    chosen = _chosen(designer, task, seed, objective, Containment(containment))
+    mode = _containment(containment, ours=designer in _OURS)
+    chosen = _chosen(designer, task, seed, objective, mode)
     manifest = Manifest(
         *(task.id, task.version, name, chosen.name, chosen.provenance, seed, settings),
         designer_settings=chosen.settings,
@@ -110,7 +117,7 @@ def run(
             ledger,
             folder,
             executor,
-            containment=containment,
+            containment=mode,
             observe=observe,
         )
         recorded = RecordedDesigner(chosen.make(folder, stack), ledger, observe)
@@ -149,7 +156,7 @@ def evaluate(
     seed: int = 0,
     artifact: Path | None = None,
     checkpoint: Path | None = None,
-    containment: str = "strict",
+    containment: str | None = None,
     progress: Callable[[int], None] = lambda steps: None,
 ) -> Evaluation:
     """Train one design and measure it.
@@ -163,7 +170,7 @@ def evaluate(
         seed: of training and measuring.
         artifact: folder to leave the policy in.
         checkpoint: folder to continue training from, and to leave a checkpoint in.
-        containment: `strict` refuses to run rewards without the operating system's layers.
+        containment: `strict` (the default) or `relaxed`, see `run`.
         progress: told the control steps of training done.
 
     Raises:
@@ -172,6 +179,7 @@ def evaluate(
     """
     task = get_task(task) if isinstance(task, str) else task
     settings = preset(settings) if isinstance(settings, str) else settings
+    mode = _containment(containment, ours=reward is None)
     if artifact is not None and artifact.exists() and any(artifact.iterdir()):
         raise InputError(f"{artifact} is not empty; name a new folder for the policy")
     checked = task.check(task.human if parameters is None else parameters)
@@ -190,7 +198,7 @@ def evaluate(
             scratch=str(Path(scratch) / "scratch"),
             artifact=str(artifact or ""),
             checkpoint=str(checkpoint or ""),
-            containment=containment,
+            containment=mode,
         )
         return evaluate_request(request, progress)
 
@@ -235,6 +243,26 @@ def _chosen(
         identity = {**model.identity, "replayed": designer.by}
         return _Chosen(Replay.name, f"{provenance}, as recorded in {designer.run}.", make, identity)
     return _Chosen(LanguageModel.name, f"{provenance}.", make, model.identity)
+
+
+_OURS = ("offline", "human", "random")
+"""Designers whose rewards are composed from this package's own text."""
+
+
+def _containment(asked: str | None, ours: bool) -> Containment:
+    """Return how strangers' code is kept in, or refuse before anything has started.
+
+    Raises:
+        InputError: strict containment is asked for, or needed, and not possible here.
+    """
+    if asked is None and ours:
+        if strict_is_possible():
+            return Containment.STRICT
+        log.warning("strict containment is not possible here; `robomore doctor` says why")
+        return Containment.RELAXED
+    mode = Containment(asked or Containment.STRICT)
+    ensure(mode)
+    return mode
 
 
 def _recorded(replay: Replay) -> LanguageModel:

@@ -22,6 +22,11 @@ COMMANDS = {
     "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
+    "check-reward": (
+        "robomore.cli.sandbox:check_reward",
+        "Say what is wrong with a reward, without running it.",
+    ),
+    "doctor": ("robomore.cli.sandbox:doctor", "Say what keeps a stranger's code in, here."),
     "prompt": ("robomore.cli.prompt:prompt", "Print what a language model would be told."),
     "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
 }

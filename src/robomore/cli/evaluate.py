@@ -28,7 +28,7 @@ def evaluate(
     steps: int | None = None,
     seed: int = 0,
     out: Path | None = None,
-    containment: Literal["strict", "relaxed"] = "strict",
+    containment: Literal["strict", "relaxed"] | None = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> int:
     """Train and measure one design. Exits with status 1 if it could not be trained.

@@ -30,7 +30,7 @@ def run(
     repeats: int | None = None,
     steps: int | None = None,
     final_steps: int | None = None,
-    containment: Literal["strict", "relaxed"] = "strict",
+    containment: Literal["strict", "relaxed"] | None = None,
     quiet: Annotated[bool, Parameter(negative="")] = False,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
     model: ModelOptions | None = None,

@@ -126,6 +126,12 @@ def _print_designs(screen: Console, summary: Summary) -> None:
         f"\n{cost.evaluations} evaluations ({counts or 'none yet'}): {cost.steps:,} control steps, "
         f"{duration(cost.core_seconds)} of one core"
     )
+    spending = summary.spending
+    if spending.requests:
+        dollars = "of unknown price" if spending.unpriced else f"${spending.cost:.2f}"
+        screen.print(
+            f"language model: {spending.requests} requests, {spending.tokens:,} tokens, {dollars}"
+        )
 
 
 def _print_way(screen: Console, summary: Summary) -> None:
