@@ -18,10 +18,10 @@ LIMITS = Limits(
     file_bytes=10 * 2**20,
 )
 QUIET = Sight(
-    calls=0,
+    call=0,
     progress=None,
     printed=0,
-    usage=Usage(cpu=0.0, memory=2**20, peak=2**20, threads=4),
+    usage=Usage(cpu=0.0, memory=2**20, threads=4),
     left_on_disk=0,
 )
 
@@ -42,7 +42,7 @@ def after(seconds: float, *sights: Sight, tick: float = 0.5) -> Verdict | None:
 
 
 def test_leaves_a_busy_child_alone() -> None:
-    steps = [replace(QUIET, calls=2 * n, progress=n, usage=used(cpu=0.9 * n)) for n in range(1, 90)]
+    steps = [replace(QUIET, call=n, progress=n, usage=used(cpu=0.9 * n)) for n in range(1, 90)]
     assert after(1.0, *steps) is None
 
 
@@ -59,20 +59,20 @@ def test_a_sleeping_machine_is_not_charged() -> None:
 
 
 def test_a_call_that_computes_without_end() -> None:
-    inside = [replace(QUIET, calls=7, usage=used(cpu=0.4 * n)) for n in range(10)]
+    inside = [replace(QUIET, call=7, usage=used(cpu=0.4 * n)) for n in range(10)]
     verdict = after(0.5, *inside)
     assert verdict is not None and verdict[0] is Status.TIMED_OUT
     assert "one call of the reward" in verdict[1]
 
 
 def test_a_call_that_sleeps_gets_longer_and_then_no_more() -> None:
-    inside = replace(QUIET, calls=7)
+    inside = replace(QUIET, call=7)
     assert after(4.0, inside) is None
     assert after(7.0, inside) is not None
 
 
 def test_many_calls_are_not_one() -> None:
-    steps = [replace(QUIET, calls=2 * n + 1, usage=used(cpu=0.5 * n)) for n in range(30)]
+    steps = [replace(QUIET, call=n + 1, usage=used(cpu=0.5 * n)) for n in range(30)]
     assert after(0.5, *steps) is None
 
 
@@ -103,5 +103,5 @@ def test_one_look_is_enough(sight: Sight, status: Status) -> None:
 
 
 def test_where_nothing_can_be_read_time_still_counts() -> None:
-    blind = replace(QUIET, usage=None, calls=1)
+    blind = replace(QUIET, usage=None, call=1)
     assert after(3.0, blind) is not None

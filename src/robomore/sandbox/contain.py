@@ -109,7 +109,7 @@ def run_contained(
             child = Child(
                 [sys.executable, "-P", "-s", "-c", _START, _search_path(), *map(str, ends)],
                 scratch,
-                _environment(scratch) | dict(environment),
+                child_environment(scratch) | dict(environment),
                 ends,
             )
         finally:
@@ -157,7 +157,7 @@ _THREADS = (
 )
 
 
-def _environment(scratch: Path) -> dict[str, str]:
+def child_environment(scratch: Path) -> dict[str, str]:
     """Return all variables that the child gets; none of ours but where libraries are found."""
     kept = {name: os.environ[name] for name in ("LD_LIBRARY_PATH",) if name in os.environ}
     return kept | {

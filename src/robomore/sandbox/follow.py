@@ -17,16 +17,16 @@ import msgspec
 from robomore.sandbox import pulse
 from robomore.sandbox.lock import Layer
 from robomore.sandbox.process import Child
-from robomore.sandbox.usage import folder_bytes, usage
+from robomore.sandbox.usage import folder_bytes, peak_memory, usage
 from robomore.sandbox.watchdog import Sight, Verdict, Watchdog
 from robomore.sandbox.wire import Frames, Kind, MalformedFrame, unpack_number
 from robomore.sandbox.words import plain
 from robomore.types import Limits, Status
 
-_TICK = 0.1
+_TICK = 0.2
 """Seconds between two looks at the child."""
-_LOOKS_PER_COUNT = 10
-"""The folder is counted at one look in so many."""
+_LOOKS_PER_COUNT = 5
+"""The folder is counted, and the peak of memory read, at one look in so many."""
 _MOST_FILES = 10_000
 _TO_END = 2.0
 """Seconds that a child has to end after its last word."""
@@ -65,7 +65,7 @@ class Follower:
         self.peak_memory = 0
         self._child = child
         self._arriving = frames
-        self._calls = memoryview(mmap.mmap(page, pulse.SIZE)).cast("Q")
+        self._page = memoryview(mmap.mmap(page, pulse.SIZE)).cast("Q")
         self._folder = folder
         self._limits = limits
         self._cpu_seconds = cpu_seconds
@@ -182,13 +182,14 @@ class Follower:
         return arrived != b""
 
     def _look(self, seconds: float) -> None:
+        used = usage(self._child.pid)
         if self._looks % _LOOKS_PER_COUNT == 0:
             self._on_disk = folder_bytes(self._folder, _MOST_FILES)
-        self._looks += 1
-        used = usage(self._child.pid)
+            self.peak_memory = max(self.peak_memory, peak_memory(self._child.pid))
         if used is not None:
-            self.peak_memory = max(self.peak_memory, used.peak)
-        sight = Sight(self._calls[0], self._progress, self._printed, used, self._on_disk)
+            self.peak_memory = max(self.peak_memory, used.memory)
+        self._looks += 1
+        sight = Sight(self._page[0], self._progress, self._printed, used, self._on_disk)
         self.verdict = self.verdict or self._watchdog.look(seconds, sight)
 
     def _with_place(self, verdict: Verdict) -> Verdict:

@@ -1,8 +1,8 @@
-"""A counter in shared memory that tells the parent whether a reward call is going on.
+"""A number in shared memory that tells the parent which reward call is going on.
 
 A reward that never returns holds the interpreter, and a loop inside a C function cannot even be
-interrupted by a signal handler. So the child only counts, up by one as a call begins and again as
-it ends, and the parent looks at the number some times a second: odd and unchanged means stuck.
+interrupted by a signal handler. So the child only writes down the number of the call as it begins,
+and 0 as it ends. The parent looks some times a second: the same call again and again is stuck.
 """
 
 from __future__ import annotations
@@ -14,11 +14,13 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import count
 from typing import Any
 
 SIZE = mmap.PAGESIZE
 
 _slots: memoryview | None = None
+_next_call = count(1).__next__
 
 
 @contextmanager
@@ -47,7 +49,7 @@ def page() -> Iterator[int]:
 
 
 def attach(descriptor: int) -> None:
-    """Count in the shared page behind `descriptor` from now on."""
+    """Write to the shared page behind `descriptor` from now on."""
     global _slots
     _slots = memoryview(mmap.mmap(descriptor, SIZE)).cast("Q")
 
@@ -55,27 +57,29 @@ def attach(descriptor: int) -> None:
 @contextmanager
 def watched() -> Iterator[None]:
     """Mark a stretch in which a stranger's code may run, other than a reward call."""
-    if _slots is not None:
-        _slots[0] += 1
+    if _slots is None:
+        yield
+        return
+    outer = _slots[0]
+    _slots[0] = _next_call()
     try:
         yield
     finally:
-        if _slots is not None:
-            _slots[0] += 1
+        _slots[0] = outer
 
 
 def watch(function: Callable[[Any, Any, Any], Any]) -> Callable[[Any, Any, Any], Any]:
-    """Return `function` with every call counted; as it is where no parent watches."""
+    """Return `function` with every call numbered; as it is where no parent watches."""
     if _slots is None:
         return function
-    slots = _slots
+    slots, next_call = _slots, _next_call
 
     def counted(simulation: Any, x_velocity: Any, action: Any) -> Any:
-        slots[0] += 1
+        slots[0] = next_call()
         try:
             return function(simulation, x_velocity, action)
         finally:
-            slots[0] += 1
+            slots[0] = 0
 
     counted.__wrapped__ = function  # type: ignore[attr-defined]  # as functools.wraps does
     return counted

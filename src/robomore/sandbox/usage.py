@@ -17,32 +17,37 @@ class Usage:
     Attributes:
         cpu: seconds of processor time, in steps of about 0.01 s.
         memory: bytes resident now.
-        peak: most bytes ever resident.
         threads: how many there are.
     """
 
     cpu: float
     memory: int
-    peak: int
     threads: int
 
 
 def usage(pid: int) -> Usage | None:
     """Return what process `pid` has used, or `None` where that cannot be read."""
     try:
-        stat = Path(f"/proc/{pid}/stat").read_text()
-        status = Path(f"/proc/{pid}/status").read_text()
-    except (OSError, UnicodeDecodeError):
+        stat = Path(f"/proc/{pid}/stat").read_bytes()
+    except OSError:
         return None
     # The name in parentheses may itself hold spaces and parentheses. See proc_pid_stat(5).
-    fields = stat.rpartition(")")[2].split()
-    memory = int(fields[21]) * _PAGE
+    fields = stat.rpartition(b")")[2].split()
     return Usage(
         cpu=(int(fields[11]) + int(fields[12])) / _TICKS,
-        memory=memory,
-        peak=max(memory, _kilobytes(status, "VmHWM:") * 1024),
+        memory=int(fields[21]) * _PAGE,
         threads=int(fields[17]),
     )
+
+
+def peak_memory(pid: int) -> int:
+    """Return the most bytes that process `pid` ever had resident, 0 where that cannot be read."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_bytes()
+    except OSError:
+        return 0
+    lines = [line for line in status.splitlines() if line.startswith(b"VmHWM:")]
+    return int(lines[0].split()[1]) * 1024 if lines else 0
 
 
 def folder_bytes(folder: Path, most_entries: int) -> int | None:
@@ -63,10 +68,3 @@ def folder_bytes(folder: Path, most_entries: int) -> int | None:
         except OSError:
             continue  # vanished while we looked
     return total
-
-
-def _kilobytes(status: str, label: str) -> int:
-    for line in status.splitlines():
-        if line.startswith(label):
-            return int(line.split()[1])
-    return 0

@@ -26,14 +26,14 @@ class Sight:
     """What the parent sees of the child at one look.
 
     Attributes:
-        calls: the counter of `pulse`.
+        call: number of the reward call that is going on (see `pulse`), 0 for none.
         progress: the latest progress told, `None` before any.
         printed: bytes printed so far.
         usage: what the kernel says of it, `None` where that cannot be read.
         left_on_disk: bytes in its folder; `None` where there are too many files to count.
     """
 
-    calls: int
+    call: int
     progress: int | None
     printed: int
     usage: Usage | None
@@ -49,7 +49,7 @@ class Watchdog:
         self._elapsed = 0.0
         self._best: int | None = None
         self._stalled = 0.0
-        self._calls = 0
+        self._call_number = 0
         self._called = 0.0
         self._cpu_before = 0.0
 
@@ -78,9 +78,8 @@ class Watchdog:
 
     def _call(self, seconds: float, sight: Sight) -> Verdict | None:
         cpu = sight.usage.cpu if sight.usage else 0.0
-        inside = sight.calls % 2 == 1
-        if not inside or sight.calls != self._calls:
-            self._calls, self._called, self._cpu_before = sight.calls, 0.0, cpu
+        if not sight.call or sight.call != self._call_number:
+            self._call_number, self._called, self._cpu_before = sight.call, 0.0, cpu
             return None
         self._called += seconds
         limit = self._limits.reward_call_seconds

@@ -1,0 +1,195 @@
+"""What containment costs a candidate, part by part and as a whole.
+
+    python benchmarks/containment.py
+    python benchmarks/containment.py --task ant --preset quick --repeats 5
+
+The parts are the least of many tries, which a busy machine blurs little. The whole is the same
+training in a contained child and in a plain process, in turns; the parent counts in.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import timeit
+from collections.abc import Callable
+from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
+
+from robomore.sandbox import pulse
+from robomore.sandbox.contain import Contained, child_environment, run_contained
+from robomore.types import Limits, Status
+
+WATCHED_SECONDS = 4.0
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--task", default="ant")
+    parser.add_argument("--preset", default="quick")
+    parser.add_argument("--steps", type=int, help="of training, instead of the preset's")
+    parser.add_argument("--repeats", type=int, default=0, help="of the whole; 0 leaves it out")
+    options = parser.parse_args()
+    parts()
+    if options.repeats:
+        whole(options)
+
+
+def parts() -> None:
+    """Print what starting, watching and each reward call cost."""
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = Path(folder)
+        bare = [sys.executable, "-P", "-s", "-c", "import json, numpy"]
+        environment = child_environment(scratch)
+        plain = [
+            _cost(lambda: subprocess.run(bare, check=True, env=environment))[0] for _ in range(20)
+        ]
+        contained = [_cost(lambda: _checked("nothing", b"", scratch))[0] for _ in range(20)]
+        print(f"starting: {1e3 * (min(contained) - min(plain)):.0f} ms of core more")
+
+        before = time.process_time()
+        _checked("busy", str(WATCHED_SECONDS).encode(), scratch)
+        watching = (time.process_time() - before) / WATCHED_SECONDS
+        print(f"watching: {100 * watching:.2f} % of one core")
+
+    def reward(simulation: object, x_velocity: object, action: object) -> tuple[float, dict]:
+        return 0.0, {}
+
+    with pulse.page() as page:
+        pulse.attach(page)
+        counted = pulse.watch(reward)
+    calls = 200_000
+    times = [
+        min(timeit.repeat(lambda f=f: f(None, 0.0, None), number=calls, repeat=7))
+        for f in (reward, counted)
+    ]
+    print(f"each reward call: {1e9 * (times[1] - times[0]) / calls:.0f} ns more")
+
+
+def whole(options: argparse.Namespace) -> None:
+    """Print what the same training costs contained and plain."""
+    import msgspec
+
+    from robomore.evaluation.compiled import compiled_trainer
+    from robomore.evaluation.request import Request
+    from robomore.sandbox.contain import Containment
+    from robomore.settings import preset
+    from robomore.tasks import get_task
+    from robomore.tasks.simulation import Simulations
+    from robomore.training.compilation import CACHE_VARIABLE
+    from robomore.training.warm import Shape
+    from robomore.types import Design, Job, Morphology, Reward
+
+    task, settings = get_task(options.task), preset(options.preset)
+    job = Job(
+        task.id,
+        Design(Morphology(task.human), Reward(task.reward)),
+        settings.trainer,
+        steps=options.steps or settings.candidate.steps,
+        episodes=1,
+        seed=0,
+    )
+    robot = Simulations(task, task.human, 1)
+    shape = Shape(job.trainer, robot.observation_size, robot.action_size)
+    compiled = compiled_trainer(shape, Containment.STRICT)
+    extra = {CACHE_VARIABLE: str(compiled)} if compiled else {}
+    print(f"{job.task}, {job.steps:,} steps, trainer compiled before: {compiled is not None}")
+
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = Path(folder)
+        payload = msgspec.json.encode(Request(job, key="", scratch=folder))
+
+        def contained() -> None:
+            readable = [compiled] if compiled else []
+            _answered(
+                run_contained(
+                    "robomore.evaluation.train:train",
+                    payload,
+                    scratch,
+                    Limits(),
+                    readable=readable,
+                    environment=extra,
+                )
+            )
+
+        def plain() -> None:
+            subprocess.run(
+                [sys.executable, "-P", "-s", "-c", _PLAIN, folder],
+                input=payload,
+                check=True,
+                cwd=folder,
+                env=child_environment(scratch) | extra,
+            )
+
+        rows = []
+        for turn in range(options.repeats):
+            order = (plain, contained) if turn % 2 else (contained, plain)
+            costs = {way: _cost(way) for way in order}
+            rows.append((*costs[plain], *costs[contained]))
+            print("plain {:.2f} s of core, {:.2f} s; contained {:.2f}, {:.2f}".format(*rows[-1]))
+    for name, before, after in (("core", 0, 2), ("wall-clock", 1, 3)):
+        more = [100 * (row[after] / row[before] - 1) for row in rows]
+        print(
+            f"{name} seconds: {statistics.median(more):+.2f} % in the median, "
+            f"{min(more):+.2f} to {max(more):+.2f} %"
+        )
+
+
+def nothing(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
+    """Run in a child: import what the bare process imports."""
+    import numpy
+
+    return numpy.__name__.encode()
+
+
+def busy(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
+    """Run in a child: compute for some seconds and report as a trainer does."""
+    ends = time.monotonic() + float(payload)
+    step = 0
+    while time.monotonic() < ends:
+        step += sum(n * n for n in range(2_000_000)) % 2 + 1
+        report(step)
+    return b""
+
+
+_PLAIN = """
+import sys
+from pathlib import Path
+from types import ModuleType
+sys.modules["glfw"] = ModuleType("glfw")
+from robomore.evaluation.train import train
+train(sys.stdin.buffer.read(), Path(sys.argv[1]), lambda steps: None)
+"""
+
+
+def _checked(function: str, payload: bytes, scratch: Path) -> None:
+    _answered(
+        run_contained(
+            f"containment:{function}", payload, scratch, Limits(), readable=[Path(__file__).parent]
+        )
+    )
+
+
+def _answered(contained: Contained) -> None:
+    if contained.status is not Status.OK:
+        sys.exit(contained.diagnosis)
+
+
+def _cost(action: Callable[[], object]) -> tuple[float, float]:
+    """Return core-seconds, of this process and its children, and wall-clock seconds."""
+    began, before = time.perf_counter(), _core_seconds()
+    action()
+    return _core_seconds() - before, time.perf_counter() - began
+
+
+def _core_seconds() -> float:
+    used = [getrusage(whose) for whose in (RUSAGE_SELF, RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
+
+
+if __name__ == "__main__":
+    main()
