@@ -29,8 +29,9 @@ LEAST_SHARE = 0.3
 """The first and third segment of a leg are at least this fraction of the second one's length.
 
 Where the second one dwarfs both, its motor whirls a robot that weighs almost nothing elsewhere, up
-to rates that the fixed time step cannot follow: of 400 thin random robots driven by random full
-torques for 25 s, one in seven diverged there, and none of 575 within this limit.
+to rates that the fixed time step cannot follow. Of 973 thin random robots of Ant-Powered, driven by
+random full torques for 25 s and never reset, 58 diverged: one in seven of those outside this limit
+and none of the 575 within it. Rare cases remain, thrown far above any healthy height before.
 """
 
 ANT_REWARD = '''def _get_rew(self, x_velocity, action):
