@@ -58,7 +58,7 @@ FORWARD = (
         "aligned_progress",
         "progress that counts while facing ahead",
         "Speed counts in full only when the body points along the course.",
-        "{w} * x_velocity * (0.6 + 0.4 * {heading})",
+        "{w} * x_velocity * (0.6 + 0.4 * ({heading}))",
         2.0,
         5.0,
     ),
