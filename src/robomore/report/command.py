@@ -6,6 +6,7 @@ import shlex
 from dataclasses import replace
 from typing import Any
 
+from robomore.designers.llm import LLMSettings
 from robomore.settings import PRESETS, RunSettings
 from robomore.store import Manifest
 
@@ -43,7 +44,9 @@ def settings_name(preset: str, options: dict[str, Any]) -> str:
 
 
 def command_line(manifest: Manifest) -> str | None:
-    """Return the command that gives the same run, or `None` where its settings are nobody's preset.
+    """Return the command that gives the same run, or `None` where none can.
+
+    That is where its settings are nobody's preset, or where another run's exchanges were replayed.
 
     Only the folder is left out: by default it is named after all that the command says.
     """
@@ -58,8 +61,40 @@ def command_line(manifest: Manifest) -> str | None:
             options[option] = wanted
     if overridden(PRESETS[preset](), options) != manifest.settings:
         return None
+    model = _model_options(manifest)
+    if model is None:
+        return None
     words = ["robomore", "run", manifest.task, "--preset", preset, "--designer", manifest.designer]
-    words += ["--seed", str(manifest.seed)]
+    words += [*model, "--seed", str(manifest.seed)]
     for option, value in options.items():
         words += [f"--{option}", str(value)]
     return shlex.join(words)
+
+
+def _model_options(manifest: Manifest) -> list[str] | None:
+    """Return the options that name a language model and how it was used."""
+    settings = manifest.designer_settings
+    if not settings:
+        return []
+    if "replayed" in settings:
+        return None
+    history, sampling = settings["history"], settings["sampling"]
+    if sampling["seed"] is not None:
+        return None
+    words = ["--model", settings["model"]]
+    if settings["server"]:
+        words = ["--base-url", settings["server"], "--model", settings["model"].partition(":")[2]]
+    words += [] if settings["diversity"] else ["--no-diversity"]
+    words += ["--vision"] if settings["vision"] else []
+    plain = LLMSettings()
+    for option, value, usual in (
+        ("repairs", settings["repairs"], plain.repairs),
+        ("history-tokens", history["tokens"], plain.history.tokens),
+        ("history-rule", history["rule"], plain.history.rule),
+        ("temperature", sampling["temperature"], None),
+        ("effort", sampling["effort"], None),
+        ("max-output-tokens", sampling["max_output_tokens"], None),
+    ):
+        if value != usual:
+            words += [f"--{option}", str(value)]
+    return words

@@ -38,6 +38,9 @@ def as_data(summary: Summary) -> dict[str, Any]:
             "evaluations": summary.cost.evaluations,
             "steps": summary.cost.steps,
             "core_seconds": summary.cost.core_seconds,
+            "requests": summary.spending.requests,
+            "tokens": summary.spending.tokens,
+            "dollars": None if summary.spending.unpriced else summary.spending.cost,
         },
         "way": [_step(step) for step in summary.way],
         "failures": [

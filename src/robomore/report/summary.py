@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robomore.errors import RunFolderError
+from robomore.llm import Spending
 from robomore.report.cautions import cautions
 from robomore.report.contestants import Contestant, contestant, finalists, measured_in_final
 from robomore.report.metrics import Spread, ratio
 from robomore.report.way import Step, best_of, in_order, way
-from robomore.store import Ledger, Manifest, RunFolder
+from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import Task, get_task
 from robomore.types import Evaluation, Place, Status
 
@@ -57,6 +58,7 @@ class Summary:
         fitness_ratio: champion's fitness over the human design's.
         counts: evaluations by status.
         cost: of all evaluations.
+        spending: on a language model; nothing where none was asked.
         way: from the best of the grid to the champion.
         placed: every evaluation in each place it was asked for, in the order of the search.
         failures: by reason, the most frequent first.
@@ -73,6 +75,7 @@ class Summary:
     fitness_ratio: Spread | None
     counts: dict[Status, int]
     cost: Cost
+    spending: Spending
     way: tuple[Step, ...]
     placed: tuple[tuple[Place, Evaluation], ...]
     failures: tuple[Failure, ...]
@@ -105,6 +108,8 @@ def summarise(path: Path) -> Summary:
     with closing(Ledger(folder.ledger, read_only=True)) as ledger:
         placed = in_order(ledger.placed())
         crowned = [event for event in ledger.events() if event.kind == "finished"]
+    with closing(LedgerExchanges(folder.ledger, read_only=True)) as exchanges:
+        spending = exchanges.spent()
     objective = manifest.settings.search.objective
     keys = set(crowned[-1].body.get("champion", ())) if crowned else set()
 
@@ -130,6 +135,7 @@ def summarise(path: Path) -> Summary:
         fitness_ratio=_ratio(champion, human, "fitness"),
         counts=_counts(placed),
         cost=_cost(placed),
+        spending=spending,
         way=way(placed, manifest.settings.search, winner or ()),
         placed=tuple(placed),
         failures=_failures(placed),
