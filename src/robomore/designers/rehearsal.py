@@ -118,7 +118,8 @@ def _about_terms(seen: Rehearsed, line: int) -> list[Finding]:
         found.append(Finding(line, "warning", said))
     spreads = {name: term.spread for name, term in seen.terms.items() if term.spread > 0}
     total = math.fsum(spreads.values())
-    if len(seen.terms) > 1 and total > 0:
+    # A constant, such as a bonus for being healthy, is no rival.
+    if len(spreads) > 1:
         name, largest = max(spreads.items(), key=lambda item: item[1])
         if largest > _DOMINANT * total:
             said = (
