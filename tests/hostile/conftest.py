@@ -30,17 +30,19 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
     ]
     if not reports:
         return
-    rows = sorted(
-        (report.nodeid.partition("[")[2][:-1], dict(report.user_properties)) for report in reports
-    )
     terminalreporter.section("strangers")
-    if config.get_verbosity() > 0:
-        for name, facts in rows:
-            terminalreporter.write_line(
-                f"{name:36} {facts['attempt'][:52]:53} check: {facts['check']:8} "
-                f"{facts['outcome']:15} got across: {facts['breaches']}"
-            )
-    outcomes = Counter(facts["outcome"] for _, facts in rows)
-    across = sum(facts["breaches"] != "none" for _, facts in rows)
-    said = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.most_common())
-    terminalreporter.write_line(f"{len(rows)} strangers: {said}; got across: {across}")
+    tests: dict[str, list[Any]] = {}
+    for report in reports:
+        tests.setdefault(report.nodeid.partition("[")[0].rpartition("::")[2], []).append(report)
+    for test, of_it in sorted(tests.items()):
+        rows = {it.nodeid.partition("[")[2][:-1]: dict(it.user_properties) for it in of_it}
+        if config.get_verbosity() > 0:
+            for name, facts in sorted(rows.items()):
+                terminalreporter.write_line(
+                    f"{name:36} {facts['attempt'][:52]:53} check: {facts['check']:8} "
+                    f"{facts['outcome']:15} got across: {facts['breaches']}"
+                )
+        outcomes = Counter(facts["outcome"] for facts in rows.values())
+        across = sum(facts["breaches"] != "none" for facts in rows.values())
+        said = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.most_common())
+        terminalreporter.write_line(f"{test}: {len(rows)} strangers: {said}; got across: {across}")

@@ -18,7 +18,8 @@ import msgspec
 import numpy as np
 
 from robomore.errors import RewardFailed
-from robomore.sandbox.load import explain, load_reward
+from robomore.sandbox.explain import explain
+from robomore.sandbox.load import load_reward
 from robomore.sandbox.remains import read_file
 
 POLICY = "policy.json"

@@ -27,12 +27,16 @@ from robomore.errors import (
     UnstableSimulation,
 )
 from robomore.sandbox import pulse
+from robomore.sandbox.explain import explain, reward_line
 from robomore.sandbox.lock import CannotLock, Lock, lock
 from robomore.sandbox.wire import MAX_BODY, Kind, pack_number, send
 from robomore.types import Status
 
 _LONGEST = 20_000
 """Characters of a diagnosis."""
+
+_RESERVE = 8 * 2**20
+"""Bytes to say in what has happened when memory has run out."""
 
 _STATUS: dict[type[BaseException], Status] = {
     InvalidMorphology: Status.INVALID_MORPHOLOGY,
@@ -80,6 +84,7 @@ def main(replies: int, pulses: int) -> NoReturn:
 
 
 def _serve(name: str, payload: bytes, scratch: Path, replies: int) -> None:
+    reserve = [bytearray(_RESERVE)]
     try:
         module, _, function = name.partition(":")
         call = getattr(importlib.import_module(module), function)
@@ -87,6 +92,7 @@ def _serve(name: str, payload: bytes, scratch: Path, replies: int) -> None:
         if not isinstance(reply, bytes) or len(reply) > MAX_BODY:
             raise TypeError(f"{name} returned no bytes, or more than {MAX_BODY} of them")
     except BaseException as error:  # noqa: BLE001  # a stranger may raise SystemExit and worse
+        reserve.clear()
         with pulse.watched():
             fault = _fault(error)
         send(replies, Kind.FAULT, json.dumps(fault).encode())
@@ -96,8 +102,6 @@ def _serve(name: str, payload: bytes, scratch: Path, replies: int) -> None:
 
 def _fault(error: BaseException) -> tuple[str, str]:
     """Return status and diagnosis of what `error` means for the evaluation."""
-    from robomore.sandbox.load import explain, reward_line
-
     if isinstance(error.__cause__, MemoryError):
         return Status.OUT_OF_MEMORY, str(error)[:_LONGEST]
     for kind, status in _STATUS.items():

@@ -210,18 +210,16 @@ class Follower:
         assert code is not None
         said = self.log.strip()[-2_000:]
         words = f"; its last words: {said}" if said else ""
-        if code >= 0:
-            return Status.CRASHED, f"ended with exit status {code} and without a result{words}"
-        name = signal.Signals(-code).name
+        ending = f"died of {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"
         if -code == signal.SIGXCPU or self._child.cpu_seconds > self._cpu_seconds:
             return Status.TIMED_OUT, f"used up its {self._cpu_seconds:g} s of processor time"
-        if self.peak_memory > _MOST_OF * self._limits.memory_bytes:
+        if code and self.peak_memory > _MOST_OF * self._limits.memory_bytes:
             return (
                 Status.OUT_OF_MEMORY,
-                f"died of {name} with {self.peak_memory >> 20} MiB of its "
+                f"{ending} with {self.peak_memory >> 20} MiB of its "
                 f"{self._limits.memory_bytes >> 20} MiB of memory in use{words}",
             )
-        return Status.CRASHED, f"died of {name}{words}"
+        return Status.CRASHED, f"{ending} and no result{words}"
 
 
 _PLACE = re.compile(r'File "<reward>", line (\d+)')

@@ -9,7 +9,6 @@ import builtins
 import inspect
 import linecache
 import math
-import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -18,14 +17,9 @@ from numpy.typing import NDArray
 
 from robomore.errors import InvalidReward
 from robomore.sandbox import pulse
-
-FILENAME = "<reward>"
-"""The name under which a reward's lines stand in tracebacks."""
+from robomore.sandbox.explain import FILENAME, explain
 
 RewardFunction = Callable[[Any, float, NDArray[np.float64]], tuple[float, Mapping[str, float]]]
-
-_LONGEST = 2_000
-"""Characters of a stranger's own words that a diagnosis repeats."""
 
 
 def load_reward(source: str) -> RewardFunction:
@@ -80,31 +74,6 @@ def load_reward(source: str) -> RewardFunction:
             f"`_get_rew` does not take (self, x_velocity, action): {explain(error)}"
         ) from None
     return pulse.watch(function)
-
-
-def explain(error: BaseException) -> str:
-    """Return what `error` is and in which line of the reward it arose, in one short paragraph."""
-    kind = type(error).__name__
-    try:
-        with pulse.watched():
-            said = str(error)[:_LONGEST]
-    except BaseException:  # noqa: BLE001  # a stranger's exception may fail to describe itself
-        said = "(its message cannot be read)"
-    where = reward_line(error)
-    place = f" (line {where[0]}: `{where[1]}`)" if where else ""
-    return f"{kind}: {said}{place}" if said else f"{kind}{place}"
-
-
-def reward_line(error: BaseException) -> tuple[int, str] | None:
-    """Return number and text of the innermost line of the reward that `error` passed through."""
-    frames = [
-        (frame.f_code.co_filename, number)
-        for frame, number in traceback.walk_tb(error.__traceback__)
-    ]
-    lines = [number for filename, number in frames if filename == FILENAME]
-    if not lines:
-        return None
-    return lines[-1], linecache.getline(FILENAME, lines[-1]).strip()
 
 
 def _silent(*values: object, **options: object) -> None:
