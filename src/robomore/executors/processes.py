@@ -21,7 +21,7 @@ from robomore.executors.messages import Call, Progressed, Replied, Reply
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _INHERITED = (
     *("PATH", "HOME", "TMPDIR", "TZ", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH"),
-    "ROBOMORE_CACHE",
+    *("XDG_CACHE_HOME", "ROBOMORE_CACHE"),
 )
 """What a worker sees of the parent's environment: enough to start Python, and no key."""
 _LOG_TAIL = 2000

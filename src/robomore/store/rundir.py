@@ -15,7 +15,7 @@ class RunFolder:
     ```
     run.json          what was asked for (Manifest)
     ledger.sqlite     proposals, evaluations, exchanges, events
-    artifacts/KEY/    policy.npz of an evaluation, and what its worker said
+    artifacts/KEY/    policy.npz of an evaluation
     scratch/          what is being trained right now; empty when nothing runs
     champion/         the answer: design.json, reward.py, robot.xml, policy.npz
     report.html       the answer as a page
