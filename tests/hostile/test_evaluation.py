@@ -118,6 +118,7 @@ def test_with_the_check(
         assert not quickly, "it was run in spite of the check"
         assert f"line {faults[0].line}: {faults[0].message}" in evaluation.diagnosis
     look(planted, attempt, evaluation, quickly, record_property)
+    assert evaluation.status is not Status.FAILED, evaluation.diagnosis
 
 
 @pytest.mark.strangers
