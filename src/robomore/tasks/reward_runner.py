@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import inspect
-import json
 import linecache
 import math
 import traceback
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -18,51 +17,14 @@ from robomore.errors import RewardFailed
 from robomore.tasks import reward_state
 from robomore.tasks.environments.base import Array, RewardFunction, RobotEnvironment
 from robomore.tasks.read_only import ReadOnly, read_only_data
+from robomore.tasks.term_record import TermRecord, as_number
 from robomore.types import TermStatistics
 
 REWARD_FILENAME = "<reward>"
 """The name under which a reward's text is compiled, and its lines stand in tracebacks."""
 
-_MOST_TERMS = 64
-"""Terms beyond so many are not recorded: names made up in every step must not fill the memory."""
-
 _LONGEST = 500
 """Characters of a stranger's own words that a diagnosis repeats."""
-
-
-class RewardRunner(Protocol):
-    """Gives the rewards of all simulations after one control step."""
-
-    def __call__(
-        self, simulations: Any, x_velocity: NDArray[np.floating[Any]], actions: Array
-    ) -> Array:
-        """Return rewards (n,).
-
-        Args:
-            simulations: the `Simulations` that have just been stepped.
-            x_velocity: (n,) in m/s.
-            actions: (n, nu) as they were applied.
-
-        Raises:
-            RewardFailed: with a diagnosis for the designer.
-        """
-        ...
-
-    def reset(self, index: int) -> None:
-        """An episode of simulation `index` begins: forget what the reward kept of the last one."""
-        ...
-
-    def statistics(self) -> dict[str, TermStatistics]:
-        """Return mean, low and high of each term over all steps so far."""
-        ...
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return everything needed to continue exactly, as arrays."""
-        ...
-
-    def restore(self, state: dict[str, NDArray[Any]]) -> None:
-        """Continue from what `state` returned."""
-        ...
 
 
 class PerSimulationReward:
@@ -71,6 +33,11 @@ class PerSimulationReward:
     `self` is a copy of the robot's environment, so everything that the official class offers is
     there, on data of that simulation which can be read and not changed. What the reward keeps in
     `self` is its own, one per simulation, and gone when an episode ends.
+
+    Attributes:
+        terms: statistics of what the reward returned.
+        inherited: attributes of the environment that every `self` has.
+        data: of each simulation, read-only.
     """
 
     def __init__(
@@ -91,18 +58,14 @@ class PerSimulationReward:
             on_forces: called once the reward looks at forces that MuJoCo computes only when asked.
         """
         self._reward = reward
-        self._terms: dict[str, list[float]] = {}  # name -> count, sum, low, high
-        model = ReadOnly(environment.model)
-        inherited = {name: _protect(value) for name, value in vars(environment).items()}
-        inherited["mujoco_renderer"] = None  # it holds the writable data
+        self.terms = TermRecord(len(data))
+        self.data = [read_only_data(one, on_forces) for one in data]
+        self.inherited = {name: _protect(value) for name, value in vars(environment).items()}
+        self.inherited["mujoco_renderer"] = None  # it holds the writable data
+        self.inherited["model"] = ReadOnly(environment.model)
         self._fresh = [
-            {
-                **inherited,
-                "model": model,
-                "data": read_only_data(one, on_forces),
-                "_np_random": generator,
-            }
-            for one, generator in zip(data, generators, strict=True)
+            {**self.inherited, "data": one, "_np_random": generator}
+            for one, generator in zip(self.data, generators, strict=True)
         ]
         self._selves = [object.__new__(type(environment)) for _ in data]
         for index in range(len(data)):
@@ -114,8 +77,29 @@ class PerSimulationReward:
         """Return rewards (n,). The slow path reads each simulation's data, not `simulations`."""
         rewards = np.empty(len(self._selves))
         for index in range(len(rewards)):
-            rewards[index] = self._call(index, x_velocity[index], actions[index])
+            rewards[index], terms = self.one(index, x_velocity[index], actions[index])
+            self.terms.add(terms)
         return rewards
+
+    def one(
+        self, index: int, x_velocity: np.floating[Any], action: Array
+    ) -> tuple[float, Mapping[str, Any]]:
+        """Return reward and terms of simulation `index`, without recording them.
+
+        Raises:
+            RewardFailed: with a diagnosis for the designer.
+        """
+        try:
+            result = self._reward(self._selves[index], x_velocity, action)  # type: ignore[arg-type]
+        except (Exception, SystemExit) as error:
+            raise self._failed(
+                f"raised {self.explain(error)}", index, x_velocity, action
+            ) from error
+        if type(result) is tuple and len(result) == 2:
+            value, terms = as_number(result[0]), result[1]
+            if value is not None and math.isfinite(value) and isinstance(terms, Mapping):
+                return value, terms
+        raise self._failed(_fault(result), index, x_velocity, action)
 
     def reset(self, index: int) -> None:
         """Forget what the reward kept in the `self` of simulation `index`."""
@@ -125,10 +109,7 @@ class PerSimulationReward:
 
     def statistics(self) -> dict[str, TermStatistics]:
         """Return mean, low and high of each term that was a finite number."""
-        return {
-            name: TermStatistics(total / count, low, high)
-            for name, (count, total, low, high) in self._terms.items()
-        }
+        return self.terms.statistics()
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the terms' statistics and what the reward keeps in each `self`.
@@ -137,59 +118,34 @@ class PerSimulationReward:
             RewardFailed: the reward keeps something that cannot be written down.
         """
         try:
-            kept = [reward_state.dump(self._kept(index)) for index in range(len(self._selves))]
+            kept = [reward_state.dump(self.kept(index)) for index in range(len(self._selves))]
         except TypeError as error:
             raise RewardFailed(f"The reward keeps state that cannot be saved: {error}.") from None
         return {
-            "terms": np.frombuffer(json.dumps(list(self._terms)).encode(), np.uint8),
-            "statistics": np.array(list(self._terms.values())).reshape(-1, 4),
+            **self.terms.state(),
             "kept": np.frombuffer(b"".join(kept), np.uint8),
             "kept_sizes": np.array([len(text) for text in kept], np.int64),
         }
 
     def restore(self, state: dict[str, NDArray[Any]]) -> None:
         """Continue from what `state` returned."""
-        names = json.loads(state["terms"].tobytes())
-        self._terms = dict(zip(names, state["statistics"].tolist(), strict=True))
+        self.terms.restore(state)
         ends = np.cumsum(state["kept_sizes"])
         for index, text in enumerate(np.split(state["kept"], ends[:-1])):
-            self.reset(index)
-            vars(self._selves[index]).update(reward_state.load(text.tobytes()))
+            self.keep(index, reward_state.load(text.tobytes()))
 
-    def _kept(self, index: int) -> dict[str, Any]:
+    def keep(self, index: int, kept: Mapping[str, Any]) -> None:
+        """Let the `self` of simulation `index` hold `kept`, and nothing else of the reward's."""
+        self.reset(index)
+        vars(self._selves[index]).update(kept)
+
+    def kept(self, index: int) -> dict[str, Any]:
+        """Return what the reward keeps in the `self` of simulation `index`, by name."""
         fresh = self._fresh[index]
         own = vars(self._selves[index]).items()
         return {name: value for name, value in own if fresh.get(name, self) is not value}
 
-    def _call(self, index: int, x_velocity: float, action: Array) -> float:
-        try:
-            result = self._reward(self._selves[index], x_velocity, action)
-        except (Exception, SystemExit) as error:
-            raise self._failed(
-                f"raised {self._explain(error)}", index, x_velocity, action
-            ) from error
-        if type(result) is tuple and len(result) == 2:
-            value, terms = _number(result[0]), result[1]
-            if value is not None and math.isfinite(value) and isinstance(terms, Mapping):
-                self._record(terms)
-                return value
-        raise self._failed(_fault(result), index, x_velocity, action)
-
-    def _record(self, terms: Mapping[str, Any]) -> None:
-        for name, term in terms.items():
-            value = _number(term)
-            if value is None or not math.isfinite(value):
-                continue
-            known = self._terms.get(name)
-            if known is not None:
-                known[0] += 1
-                known[1] += value
-                known[2] = min(known[2], value)
-                known[3] = max(known[3], value)
-            elif isinstance(name, str) and len(self._terms) < _MOST_TERMS:
-                self._terms[name] = [1, value, value, value]
-
-    def _failed(self, what: str, index: int, x_velocity: float, action: Array) -> RewardFailed:
+    def _failed(self, what: str, index: int, x_velocity: Any, action: Array) -> RewardFailed:
         data = self._fresh[index]["data"]
         state = {
             "qpos": data.qpos,
@@ -201,7 +157,8 @@ class PerSimulationReward:
             numbers = ", ".join(f"{name} = {value}" for name, value in state.items())
         return RewardFailed(f"The reward {what} in the state {numbers}.")
 
-    def _explain(self, error: BaseException) -> str:
+    def explain(self, error: BaseException) -> str:
+        """Return what an exception says, and in which line of the reward it arose."""
         code = getattr(inspect.unwrap(self._reward), "__code__", None)
         files = {REWARD_FILENAME, getattr(code, "co_filename", REWARD_FILENAME)}
         frames = [
@@ -224,27 +181,13 @@ def _protect(value: Any) -> Any:
     return copy
 
 
-def _number(value: Any) -> float | None:
-    """Return `value` as a float where it is one number, bare or in an array of size 1."""
-    if type(value) is float:
-        return value
-    if isinstance(value, np.ndarray) and value.size == 1:
-        value = value.item()
-    if isinstance(value, (int, float, np.integer, np.floating, np.bool_)):
-        try:
-            return float(value)
-        except OverflowError:
-            return None
-    return None
-
-
 def _fault(result: Any) -> str:
     """Return what is wrong with what a reward returned, in words."""
     wanted = "it must return (reward, terms): a finite number, and a dict of numbers by name;"
     if type(result) is not tuple or len(result) != 2:
         return f"returned {_shown(result)}; {wanted}"
     value, terms = result
-    number = _number(value)
+    number = as_number(value)
     if number is None:
         return f"returned {_shown(value)} in the place of the number; {wanted}"
     if not isinstance(terms, Mapping):

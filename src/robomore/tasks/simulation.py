@@ -14,11 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.errors import UnstableSimulation
+from robomore.tasks.batched_reward import BatchedReward
 from robomore.tasks.environments import environment_class
-from robomore.tasks.environments.base import Array, RewardFunction, all_of_each
-from robomore.tasks.gather import Gather
+from robomore.tasks.environments.base import (
+    Array,
+    RewardFunction,
+    RobotEnvironment,
+    all_of_each,
+)
+from robomore.tasks.gather import Gather, Scatter
 from robomore.tasks.random_state import generator_state, seed_generator, set_generator_state
-from robomore.tasks.reward_runner import PerSimulationReward, RewardRunner
 from robomore.tasks.task import Task
 from robomore.tasks.transition import Transition
 from robomore.types import TermStatistics
@@ -68,6 +73,7 @@ class Simulations:
         reward: RewardFunction | None = None,
         *,
         auto_reset: bool = True,
+        batched: bool = True,
     ) -> None:
         """Build the simulations; `reset` or `reset_one` has to come before `step`.
 
@@ -78,6 +84,8 @@ class Simulations:
             reward: called after every step; without one all rewards are 0.
             auto_reset: whether an ended episode is followed by the next one at once. Without it,
                 the caller starts episodes with `reset_one`.
+            batched: whether the reward may run for all simulations at once, where that gives the
+                same numbers.
 
         Raises:
             InvalidMorphology: the task refuses the parameters, or MuJoCo refuses the model.
@@ -94,10 +102,11 @@ class Simulations:
         self._steps = task.episode_steps
         self._auto_reset = auto_reset
         self._terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
+        self._falls = type(self.environment).batch_healthy is not RobotEnvironment.batch_healthy
 
         self.data = [mujoco.MjData(self.model) for _ in range(n)]
         self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(n)]
-        self._controls = [one.ctrl for one in self.data]
+        self._controls = Scatter([one.ctrl for one in self.data])
         self._forces_needed = self.environment.observes_forces
         nq, nv = self.model.nq, self.model.nv
         self._rows = Gather(
@@ -117,15 +126,23 @@ class Simulations:
         self.observation: Array = np.zeros((n, self.observation_size))
         self.healthy = np.ones(n, np.bool_)
         self.elapsed = np.zeros(n, np.int64)
+        self._left = 0  # steps in which surely no episode's time will be up
         self.diverged: NDArray[np.bool_] = np.zeros(n, np.bool_)
         self.divergences = 0
         self._episodes = 0
         self._over = np.zeros(n, np.bool_)
-        self._last_root: Array | None = None
-        self._runner: RewardRunner | None = None
+        self._last_qpos: Array = self.qpos  # as the last step left it
+        self._runner: BatchedReward | None = None
         if reward is not None:
-            self._runner = PerSimulationReward(
-                reward, self.environment, self.data, self._generators, self._need_forces
+            live = {"qpos": self.qpos, "qvel": self.qvel, "cfrc_ext": self.cfrc_ext}
+            self._runner = BatchedReward(
+                reward,
+                self.environment,
+                self.data,
+                self._generators,
+                self._need_forces,
+                live,
+                allowed=batched,
             )
 
     @property
@@ -135,11 +152,7 @@ class Simulations:
         An episode that starts by itself does not count: after a step that ended an episode these
         are its last positions, after `reset` and `reset_one` the first ones.
         """
-        return (
-            self.environment.batch_root(self.qpos)
-            if self._last_root is None
-            else self._last_root.copy()
-        )
+        return self.environment.batch_root(self._last_qpos)
 
     def reset(self, seed: int) -> Array:
         """Start all episodes anew; returns observations (n, observation_size).
@@ -147,10 +160,12 @@ class Simulations:
         Each simulation draws from a random state of its own, derived from `seed` and its index.
         """
         self.observation = self.observation.copy()  # the last one belongs to the caller
+        if self._runner is not None:
+            self._runner.begin()
         for index, generator in enumerate(self._generators):
             seed_generator(generator, np.random.SeedSequence([seed, index]))
             self._begin(index)
-        self._last_root = None
+        self._last_qpos = self.qpos
         return self.observation.copy()
 
     def reset_one(self, index: int, seed: int) -> Array:
@@ -161,8 +176,7 @@ class Simulations:
         self.observation = self.observation.copy()
         seed_generator(self._generators[index], np.random.SeedSequence(seed))
         self._begin(index)
-        if self._last_root is not None:
-            self._last_root[index] = self.environment.batch_root(self.qpos)[index]
+        self._last_qpos[index] = self.qpos[index]
         first: Array = self.observation[index].copy()
         return first
 
@@ -174,27 +188,28 @@ class Simulations:
             UnstableSimulation: the physics diverged over and over.
         """
         # A copy: whatever a reward does to its action stays there.
-        applied: Array = np.array(actions, dtype=np.float64)
+        applied: Array = np.array(actions, dtype=np.float64, order="C")
         if applied.shape != (self.n, self.action_size):
             raise ValueError(
                 f"actions have the shape {applied.shape}, not {(self.n, self.action_size)}"
             )
         before = self._position.copy()
+        self._controls.write(applied)
         model, frame_skip = self.model, self._frame_skip
-        for data, control, action in zip(self.data, self._controls, applied, strict=True):
-            control[:] = action
+        for data in self.data:
             mujoco.mj_step(model, data, frame_skip)
         if self._forces_needed:
             for data in self.data:
                 mujoco.mj_rnePostConstraint(model, data)
         self._gather()
-        self._settle_diverged()
+        diverged = self._settle_diverged()
 
         x_velocity = (self._position - before) / self._dt
         final = self.environment.batch_observation(self.physics_state, self.cfrc_ext)
-        self.healthy = self.environment.batch_healthy(self.physics_state)
+        if self._falls:
+            self.healthy = self.environment.batch_healthy(self.physics_state)
         terminated = ~self.healthy if self._terminates else np.zeros(self.n, np.bool_)
-        if np.count_nonzero(self.diverged):
+        if diverged:
             x_velocity[self.diverged] = 0.0
             terminated |= self.diverged
         if self._runner is None:
@@ -202,10 +217,14 @@ class Simulations:
         else:
             reward = self._runner(self, x_velocity, applied)
         self.elapsed += 1
-        truncated = self.elapsed >= self._steps
+        self._left -= 1
+        truncated, ended = np.zeros(self.n, np.bool_), terminated
+        if self._left <= 0:
+            truncated = self.elapsed >= self._steps
+            ended = terminated | truncated
+            self._left = self._steps - int(self.elapsed.max())
         self.observation = final
-        self._last_root = None
-        ended = terminated | truncated
+        self._last_qpos = self.qpos
         if np.count_nonzero(ended):
             self._end(np.flatnonzero(ended), final)
         return Transition(self.observation, reward, terminated, truncated, final)
@@ -216,7 +235,7 @@ class Simulations:
 
     def notes(self) -> tuple[str, ...]:
         """Return facts worth keeping about how these simulations ran."""
-        found = [] if self._runner is None else ["the reward ran once per simulation"]
+        found = [] if self._runner is None else [self._runner.note]
         if self.divergences:
             found.append(f"the physics diverged in {self.divergences} of {self._episodes} episodes")
         return tuple(found)
@@ -236,7 +255,7 @@ class Simulations:
             "observation": self.observation.copy(),
             "elapsed": self.elapsed.copy(),
             "over": self._over.copy(),
-            "root": self.root_positions,
+            "last_qpos": self._last_qpos.copy(),
             "counts": np.array([self.divergences, self._episodes, self._forces_needed], np.int64),
             "generators": np.stack([generator_state(one) for one in self._generators]),
         }
@@ -253,8 +272,9 @@ class Simulations:
         self._position[:] = state["position"]
         self.observation = state["observation"].copy()
         self.elapsed = state["elapsed"].copy()
+        self._left = 0
         self._over = state["over"].copy()
-        self._last_root = state["root"].copy()
+        self._last_qpos = state["last_qpos"].copy()
         self.divergences, self._episodes = (int(count) for count in state["counts"][:2])
         self._forces_needed = bool(state["counts"][2])
         for generator, words in zip(self._generators, state["generators"], strict=True):
@@ -306,16 +326,17 @@ class Simulations:
                 "body cannot be simulated with these motors."
             )
         if self._auto_reset:
-            self._last_root = self.environment.batch_root(self.qpos)
+            self._last_qpos = self.qpos.copy()
             self.observation = final.copy()
             for index in ended.tolist():
                 self._begin(index)
 
-    def _settle_diverged(self) -> None:
+    def _settle_diverged(self) -> bool:
+        """Reset the simulations whose physics diverged; returns whether any did."""
         self.diverged = np.zeros(self.n, np.bool_)
         # Not a number is not less than anything.
         if self._rows.square_sum() < DIVERGED**2:
-            return
+            return False
         self.diverged = ~all_of_each(np.abs(self.physics_state) < DIVERGED)
         for index in np.flatnonzero(self.diverged).tolist():
             self.divergences += int(not self._over[index])
@@ -324,6 +345,7 @@ class Simulations:
             mujoco.mj_forward(self.model, data)
             self._rows.read_one(index)
             self._forces.read_one(index)
+        return bool(self.diverged.any())
 
 
 def _no_reward(self: Any, x_velocity: float, action: Array) -> tuple[float, dict[str, float]]:
