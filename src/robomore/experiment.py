@@ -35,7 +35,7 @@ from robomore.settings import RunSettings, preset
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder, package_versions
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
-from robomore.types import Design, Evaluation, Job, Morphology, Reward
+from robomore.types import Design, Evaluation, Job, Limits, Morphology, Reward
 
 log = logging.getLogger(__name__)
 
@@ -190,6 +190,7 @@ def evaluate(
         steps=settings.candidate.steps if steps is None else steps,
         episodes=settings.candidate.episodes,
         seed=seed,
+        limits=Limits.for_steps(settings.candidate.steps if steps is None else steps),
     )
     with TemporaryDirectory(prefix="robomore-") as scratch:
         request = Request(

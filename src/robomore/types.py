@@ -81,6 +81,12 @@ class Limits:
     memory_bytes: int = 4 * 2**30
     file_bytes: int = 2**30
 
+    @classmethod
+    def for_steps(cls, steps: int) -> Limits:
+        """Return limits for training of that length: an hour, or ten times what the slowest robot
+        needs on a busy core."""
+        return cls(wall_seconds=max(3600.0, 0.02 * steps))
+
 
 @dataclass(frozen=True, slots=True)
 class Job:

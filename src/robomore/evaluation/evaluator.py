@@ -36,7 +36,6 @@ class Evaluator:
         ledger: what is known, and where new results go.
         folder: of the run.
         executor: does the work.
-        limits: of one evaluation.
         containment: `strict` or `relaxed`.
         observe: told what goes on.
     """
@@ -48,7 +47,6 @@ class Evaluator:
     ledger: Ledger
     folder: RunFolder
     executor: Executor
-    limits: Limits = field(default_factory=Limits)
     containment: str = "strict"
     observe: Observer = field(default=ignore)
 
@@ -88,7 +86,8 @@ class Evaluator:
                 self.observe(Progressed(key, steps))
 
         payloads = [msgspec.json.encode(self._request(key, missing[key][0])) for key in keys]
-        timeout = self.limits.wall_seconds + _GRACE_SECONDS
+        wall_seconds = max((job.limits.wall_seconds for job, _ in missing.values()), default=0.0)
+        timeout = wall_seconds + _GRACE_SECONDS
         # Closed at once on Ctrl-C, so that no worker outlives its run.
         with closing(self.executor.map(_WORK, payloads, progress, timeout)) as outcomes:
             for index, outcome in outcomes:
@@ -119,7 +118,7 @@ class Evaluator:
             steps=budget.steps,
             episodes=budget.episodes,
             seed=derive_seed(self.seed, content_key(parameters, source), trial.place.repeat),
-            limits=self.limits,
+            limits=Limits.for_steps(budget.steps),
         )
 
 
