@@ -1,0 +1,131 @@
+"""A reward is tried out before it is trained under: what is found, in words a model can act on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from measured import SWIMMER
+
+from robomore.designers.llm import LLMDesigner, LLMSettings
+from robomore.designers.rehearsal import Rehearsed, Term, bodies, findings
+from robomore.evaluation.rehearse import RANDOM_BODIES, SIMULATIONS, STEPS, Rehearsal
+from robomore.llm import Correspondence, Exchange, MemoryLog, Message, Sampling
+from robomore.llm.replay import ReplayModel
+from robomore.sandbox.check import Finding
+from robomore.tasks import TASKS, get_task
+from robomore.types import Slot
+
+CALLS = (RANDOM_BODIES + 1) * SIMULATIONS * STEPS
+PLAIN = {"speed": Term(1.0), "effort": Term(0.5)}
+
+
+def seen(**changes: object) -> Rehearsed:
+    usual = {"calls": 300, "low": -1.0, "high": 2.0, "seconds": 2e-5, "terms": PLAIN}
+    return Rehearsed(**{**usual, **changes})  # type: ignore[arg-type]
+
+
+def program(*lines: str) -> str:
+    return "\n".join(("def _get_rew(self, x_velocity, action):", *(f"    {x}" for x in lines), ""))
+
+
+def test_a_usual_reward_gives_no_findings() -> None:
+    assert findings(seen(), 1) == []
+    bonus = {**PLAIN, "healthy": Term(0.0)}
+    assert findings(seen(terms=bonus), 1) == []
+    assert findings(seen(terms={"speed": Term(1.0), "healthy": Term(0.0)}), 1) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "severity", "said"),
+    [
+        ({"low": 1.0, "high": 1.0}, "error", "same number (1) in all 300 steps"),
+        ({"seconds": 0.02}, "error", "one call takes 20.0 ms"),
+        ({"seconds": 0.002}, "warning", "one call takes 2.0 ms"),
+        ({"terms": {}}, "warning", "no terms"),
+        ({"terms": {**PLAIN, "odd": Term(0.0, 3)}}, "warning", "'odd' was not always a finite"),
+        (
+            {"terms": {"speed": Term(400.0), "effort": Term(0.5)}},
+            "warning",
+            "'speed' dominates: under random actions it makes 99.9 % of all variation",
+        ),
+    ],
+)
+def test_what_is_found(changes: dict[str, object], severity: str, said: str) -> None:
+    (found,) = findings(seen(**changes), 7)
+    assert (found.line, found.severity) == (7, severity)
+    assert said in found.message
+
+
+@pytest.mark.parametrize("task", TASKS.values(), ids=list(TASKS))
+def test_bodies_are_valid_and_the_same_every_time(task) -> None:
+    first = bodies(task, RANDOM_BODIES)
+    assert first == bodies(task, RANDOM_BODIES)
+    assert len(set(first)) == RANDOM_BODIES + 1 and first[-1] == task.human
+    assert all(task.check(body) for body in first)
+
+
+@pytest.mark.parametrize("name", ["swimmer", "ant"])
+def test_the_reference_reward_passes(name: str, tmp_path: Path) -> None:
+    task = get_task(name)
+    found = Rehearsal(task, tmp_path)(task.reward)
+    assert [f for f in found if f.severity == "error"] == []
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("lines", "line", "said"),
+    [
+        (["return float('nan'), {}"], 1, "must be finite"),
+        (["return np.array([1.0, 2.0]), {}"], 1, "an array of shape (2,)"),
+        (["return x_velocity"], 1, "must return (reward, terms)"),
+        (["speed = x_velocity", "return self.no_such_thing, {}"], 3, "no_such_thing"),
+        (["return 1.0, {'alive': 1.0}"], 1, f"same number (1) in all {CALLS} steps"),
+        (["while True:", "    pass"], 3, "did not return within 1 s"),
+        (["import os", "os._exit(0)"], 1, "when tried out"),
+    ],
+)
+def test_a_bad_reward_is_told_of_in_its_line(
+    lines: list[str], line: int, said: str, tmp_path: Path
+) -> None:
+    (found,) = Rehearsal(SWIMMER, tmp_path)(program(*lines))
+    assert found.severity == "error" and said in found.message
+    if "while" not in lines[0]:
+        assert found.line == line
+
+
+def test_every_call_of_a_good_reward_is_seen(tmp_path: Path) -> None:
+    source = program(
+        "speed = 1000 * float(x_velocity)",
+        "effort = 0.1 * float(np.sum(action ** 2))",
+        "return speed - effort, {'speed': speed, 'effort': -effort}",
+    )
+    (found,) = Rehearsal(SWIMMER, tmp_path)(source)
+    assert found.severity == "warning" and "'speed' dominates" in found.message
+
+
+def test_a_doubt_is_told_once_and_then_the_model_has_its_way() -> None:
+    source = program("return x_velocity, {'speed': x_velocity}")
+    doubt = Finding(1, "warning", "the term 'speed' dominates")
+    slot, tried = Slot("coarse", "reward", 0, 0), []
+
+    def rehearse(text: str) -> list[Finding]:
+        tried.append(text)
+        return [doubt]
+
+    log = MemoryLog()
+    kept = [_answer(slot, repair, f"```python\n{source}```") for repair in (0, 1)]
+    designer = LLMDesigner(
+        SWIMMER,
+        Correspondence(ReplayModel(MemoryLog(kept), "slot"), log),
+        LLMSettings(repairs=1),
+        rehearse=rehearse,
+    )
+    assert designer.propose_reward(slot, []).source.strip() == source.strip()
+    assert len(tried) == 2
+    assert [one.findings for one in log.all()] == [(f"line 1: {doubt.message}",), ()]
+
+
+def _answer(slot: Slot, repair: int, reply: str) -> Exchange:
+    asked = (Message("user", "a reward?"),)
+    return Exchange(f"key{repair}", slot, repair, "fake", asked, Sampling(), reply)

@@ -1,0 +1,219 @@
+"""The command line of a language model: options, prompts, the check, estimates, exit statuses."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Callable
+from dataclasses import fields, replace
+from pathlib import Path
+
+import pytest
+
+import robomore.experiment
+from llm.loopback import KEY, serve
+from robomore.cli import main
+from robomore.cli.app import application
+from robomore.cli.llm import ModelOptions, language_model
+from robomore.designers import LanguageModel
+from robomore.designers.llm import LLMSettings
+from robomore.designers.prompting import KINDS, render_prompt
+from robomore.llm import Sampling, connect
+from robomore.llm.providers import COMPATIBLE_KEY
+from robomore.llm.retry import Patience
+from robomore.report.command import command_line
+from robomore.settings import preset
+from robomore.store import Manifest
+from robomore.tasks import get_task
+from test_run_llm import CONVERSATION
+from untrained import Untrained
+
+pytest.importorskip("pydantic_ai")
+
+TINY = ("--preset", "smoke", "--rewards", "1", "--repairs", "1", "--seed", "1")
+Said = tuple[int, str, str]
+Command = Callable[..., Said]
+
+
+@pytest.fixture
+def robomore_(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
+    """Run a command in this process, without training and without waiting."""
+    monkeypatch.setattr(robomore.experiment, "Processes", Untrained)
+    monkeypatch.setattr(Patience, "wait", lambda self, tried: 0.0)
+    monkeypatch.setenv(COMPATIBLE_KEY, KEY)
+
+    def run(*arguments: str | Path) -> Said:
+        capsys.readouterr()
+        status = main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        return status, out, err
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of a model over the command line, and what it said."""
+    out = tmp_path_factory.mktemp("cli") / "run"
+    with pytest.MonkeyPatch.context() as patch, serve(*CONVERSATION) as (url, _):
+        patch.setattr(robomore.experiment, "Processes", Untrained)
+        server = ("--designer", "llm", "--base-url", url, "--model", "toy")
+        assert main(["run", "swimmer", *TINY, *server, "--quiet", "--out", str(out)]) == 0
+    return out
+
+
+def test_an_estimate_comes_before_the_first_request(robomore_: Command, tmp_path: Path) -> None:
+    with serve("wrong_key") as (url, script):
+        status, _, err = robomore_(
+            *("run", "ant", "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--out", tmp_path / "out"),
+        )
+    first, *_, last = err.strip().splitlines()
+    assert "about 20 requests" in first and "$0.00" in first
+    assert status == 2 and "key was refused" in last and KEY not in err
+    assert len(script.seen) == 1
+
+
+def test_a_spent_budget_is_one_line_and_the_same_command_goes_on(
+    robomore_: Command, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    with serve(*CONVERSATION) as (url, script):
+        command = (
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--out", out),
+        )
+        status, _, err = robomore_(*command, "--max-requests", "4")
+        assert status == 1 and len(script.seen) == 4
+        assert err.startswith("robomore: the budget of 4 requests") and err.count("\n") == 1
+        status, shown, err = robomore_("show", out)
+        assert status == 0 and "language model: 4 requests, 480 tokens, $0.00" in shown
+        status, shown, err = robomore_(*command, "--json")
+    assert status == 0, err
+    found = json.loads(shown)
+    assert found["final"] and found["designer"] == "llm"
+    assert found["cost"]["requests"] == len(script.seen) == len(CONVERSATION) - 1
+    assert found["cost"]["tokens"] == 120 * len(script.seen) and found["cost"]["dollars"] == 0
+
+
+def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: Path) -> None:
+    with serve("broken") as (url, script):
+        status, _, err = robomore_(
+            *("run", "swimmer", "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--out", tmp_path / "out"),
+        )
+    assert status == 1 and len(script.seen) == Patience().tries
+    assert "run the same command again" in err and err.count("\n") == 1
+
+
+def test_a_replay_over_the_command_line(robomore_: Command, finished: Path, tmp_path: Path) -> None:
+    status, out, err = robomore_(
+        *("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1"),
+        *("--designer", "replay", "--from", finished, "--out", tmp_path / "again", "--json"),
+    )
+    assert status == 0, err
+    _, before, _ = robomore_("show", finished, "--json")
+    mine, theirs = json.loads(out), json.loads(before)
+    assert mine["champion"] == theirs["champion"] and mine["way"] == theirs["way"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--designer", "llm"), "--model PROVIDER:NAME"),
+        (("--designer", "llm", "--model", "toy"), "not PROVIDER:NAME"),
+        (("--designer", "llm", "--model", "openai:some"), "OPENAI_API_KEY is not set"),
+        (("--designer", "replay"), "--from RUN"),
+        (("--designer", "replay", "--from", "nowhere"), "not a run folder"),
+        (("--model", "openai:some"), "add --designer llm"),
+        (("--by", "slot"), "add --designer replay"),
+        (("--designer", "llm", "--model", "a:b", "--price", "5"), "--price 5 is not IN,OUT"),
+        (("--designer", "llm", "--model", "a:b", "--price", "1,x"), "is not IN,OUT"),
+        (("--designer", "llm", "--model", "a:b", "--max-cost", "0"), "--max-cost is 0"),
+        (("--designer", "llm", "--model", "a:b", "--repairs", "-1"), "less than 0"),
+        (("--designer", "llm", "--model", "a:b", "--history-rule", "good"), "none of best"),
+        (("--designer", "nobody"), "choose one of offline, human, random, llm, replay"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_one_line(
+    robomore_: Command,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    arguments: tuple[str, ...],
+    said: str,
+) -> None:
+    monkeypatch.delenv("OPENAI_API_KEY", raising=False)
+    monkeypatch.chdir(tmp_path)
+    status, out, err = robomore_("run", "ant", *arguments)
+    assert (status, out) == (2, "") and said in err and err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_options_say_what_the_settings_say() -> None:
+    made = language_model(ModelOptions(model="toy", base_url="http://127.0.0.1:1/v1"))
+    assert made.settings == LLMSettings() and not made.vision
+    assert not any(getattr(made.budget, one.name) for one in fields(made.budget))
+
+
+def test_the_command_in_a_report_names_the_model_again() -> None:
+    model = connect("toy", base_url="http://127.0.0.1:1/v1")
+    settings = LLMSettings(diversity=False, repairs=1, sampling=Sampling(temperature=0.5))
+    chosen = LanguageModel(model, settings, vision=True, server="http://127.0.0.1:1/v1")
+    manifest = Manifest(
+        *("ant", 1, "quick", "llm", "", 3, preset("quick")), designer_settings=chosen.identity
+    )
+    command = command_line(manifest)
+    assert command is not None
+    words = shlex.split(command)
+    assert "--history-tokens" not in words and "--designer llm" in command
+    _, bound, _ = application().parse_args(words[1:], exit_on_error=False, print_error=False)
+    assert language_model(bound.arguments["model"]).identity == chosen.identity
+    replayed = replace(manifest, designer_settings={**chosen.identity, "replayed": "content"})
+    assert command_line(replayed) is None
+
+
+@pytest.mark.parametrize("kind", KINDS[:2])
+def test_prompts_are_printed_as_they_are_sent(robomore_: Command, kind: str) -> None:
+    status, out, _ = robomore_("prompt", "ant", kind)
+    assert status == 0
+    for message in render_prompt(get_task("ant"), kind):
+        assert f"--- {message.role} ---\n{message.text}\n" in out
+    assert ("--- schema ---" in out) == (kind == "morphology")
+
+
+def test_the_prompts_of_a_run_are_those_that_were_sent(robomore_: Command, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    # The server is out of order just as the fine stage begins, so the next prompt is known.
+    with serve(*CONVERSATION[:7], "broken") as (url, script):
+        robomore_(
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--history-tokens", "900", "--quiet", "--out", out),
+        )
+    _, said, _ = robomore_("prompt", "swimmer", "improve-morphology", "--from", out, "--json")
+    found = json.loads(said)
+    sent = script.seen[-1]
+    assert [m["text"] for m in found["messages"]] == [m["content"] for m in sent["messages"]]
+    assert found["schema"] == sent["response_format"]["json_schema"]["schema"] | {
+        "title": "morphology"
+    }
+
+
+def test_prompts_need_a_run_to_improve_on(robomore_: Command, finished: Path) -> None:
+    status, _, err = robomore_("prompt", "ant", "improve-reward")
+    assert status == 2 and "--from RUN" in err
+    status, _, err = robomore_("prompt", "ant", "improve-reward", "--from", finished)
+    assert status == 2 and "a run of 'swimmer'" in err
+    for kind in KINDS:
+        status, out, _ = robomore_("prompt", "swimmer", kind, "--from", finished)
+        assert status == 0 and out
+
+
+def test_the_check_tells_whether_a_model_can_design(robomore_: Command) -> None:
+    with serve(("say", "ready"), ("say", '{"length": 2}')) as (url, script):
+        status, out, _ = robomore_("llm", "check", "--base-url", url, "--model", "toy")
+    assert status == 0 and len(script.seen) == 2
+    assert "answers: ready" in out and "keeps a JSON schema" in out and "240 tokens" in out
+    with serve("broken") as (url, script):
+        status, _, err = robomore_("llm", "check", "--base-url", url, "--model", "toy")
+    assert status == 1 and len(script.seen) == 2 and err.count("\n") == 1
+    assert robomore_("llm", "check")[0] == 2

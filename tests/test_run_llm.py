@@ -1,0 +1,344 @@
+"""Whole runs with a language model on loopback: repaired, killed, resumed, replayed; and no key."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import robomore.experiment
+from llm.loopback import KEY, Script, serve
+from robomore.designers import LanguageModel, Replay
+from robomore.designers.history import HistorySettings
+from robomore.designers.llm import LLMSettings
+from robomore.errors import BudgetExhausted, InputError, ModelUnavailable, RunFolderError
+from robomore.evaluation.rehearse import Rehearsal
+from robomore.executors import Done, Processes
+from robomore.experiment import run
+from robomore.llm import Exchange, ModelBudget, Sampling, Spending, connect
+from robomore.llm.providers import COMPATIBLE_KEY
+from robomore.llm.retry import Patience
+from robomore.report.summary import summarise
+from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
+from robomore.tasks import get_task
+from test_run import TINY, numbers
+from untrained import Untrained
+
+pytest.importorskip("pydantic_ai")
+
+SETTINGS = LLMSettings(repairs=1)
+
+
+def body(scale: float) -> tuple[str, str]:
+    values = {
+        p.name: round(p.human * (scale if p.name.endswith("radius") else 1.0), 5)
+        for p in get_task("swimmer").parameters
+    }
+    said = {"parameters": values, "description": f"{scale:g} times as thick"}
+    return "say", json.dumps(said)
+
+
+def program(line: str) -> tuple[str, str]:
+    return "say", f"```python\ndef _get_rew(self, x_velocity, action):\n    {line}\n```"
+
+
+GOOD = program("return x_velocity, {'speed': x_velocity}")
+CONVERSATION: list[str | tuple[str, str]] = [
+    ("say", "I would rather not."),
+    body(0.8),
+    body(0.8),  # a second time
+    body(100.0),  # out of bounds, and out of repairs
+    body(0.6),
+    program("return float('nan'), {}"),
+    GOOD,
+    body(0.7),
+    program("return 2 * x_velocity - 0.1, {'speed': 2 * x_velocity, 'rent': -0.1}"),
+    "wrong_path",  # nobody asks for more
+]
+"""What the server says to a run of `TINY` with one repair, in order."""
+
+
+def talk(out: Path, url: str, **options: object) -> Path:
+    model = connect("toy", base_url=url, patience=Patience(tries=1))
+    chosen = LanguageModel(model, SETTINGS, server=url, **options)  # type: ignore[arg-type]
+    return run("swimmer", TINY, chosen, seed=1, workers=2, out=out).folder
+
+
+@pytest.fixture(autouse=True)
+def key(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(COMPATIBLE_KEY, KEY)
+
+
+@pytest.fixture
+def untrained(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Evaluations that cost nothing, for tests of what is proposed."""
+    monkeypatch.setattr(robomore.experiment, "Processes", Untrained)
+
+
+@pytest.fixture(scope="module")
+def spoken(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, Script]]:
+    """A finished run in which every design was trained, whose server is gone."""
+    with pytest.MonkeyPatch.context() as patch, serve(*CONVERSATION) as (url, script):
+        patch.setenv(COMPATIBLE_KEY, KEY)
+        folder = talk(tmp_path_factory.mktemp("llm") / "spoken", url)
+    yield folder, script
+
+
+@pytest.fixture(scope="module")
+def drafted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same conversation about evaluations that cost nothing; the server is gone."""
+    with pytest.MonkeyPatch.context() as patch, serve(*CONVERSATION) as (url, _):
+        patch.setattr(robomore.experiment, "Processes", Untrained)
+        return talk(tmp_path_factory.mktemp("llm") / "drafted", url)
+
+
+def exchanges(folder: Path) -> list[Exchange]:
+    with closing(LedgerExchanges(RunFolder(folder).ledger, read_only=True)) as log:
+        return log.all()
+
+
+def test_bad_answers_are_repaired_or_replaced_and_a_champion_comes_out(
+    spoken: tuple[Path, Script],
+) -> None:
+    folder, script = spoken
+    assert (folder / "champion" / "design.json").is_file()
+    assert summarise(folder).final
+    kept = exchanges(folder)
+    assert len(script.seen) == len(kept) == len(CONVERSATION) - 1
+    assert [(one.slot.kind, one.slot.index, one.slot.attempt, one.repair) for one in kept] == [
+        ("morphology", 0, 0, 0),
+        ("morphology", 0, 0, 1),
+        ("morphology", 1, 0, 0),
+        ("morphology", 1, 0, 1),
+        ("morphology", 1, 1, 0),
+        ("reward", 0, 0, 0),
+        ("reward", 0, 0, 1),
+        ("morphology", 1, 0, 0),
+        ("reward", 1, 0, 0),
+    ]
+    found = [" ".join(one.findings or ()) for one in kept]
+    for number, word in enumerate(("JSON", "", "same body", "", "", "nan", "", "", "")):
+        assert word in found[number]
+    assert [bool(said) for said in found] == [True, False, True, True, False, True, *[False] * 3]
+    # Faults went back to the model, and the fine stage was told what was measured.
+    assert "when tried out" in script.seen[6]["messages"][-1]["content"]
+    assert "efficiency" in script.seen[8]["messages"][1]["content"]
+    with closing(Ledger(RunFolder(folder).ledger, read_only=True)) as ledger:
+        assert [p.failure[:9] for p in ledger.proposals() if p.failure] == ["no usable"]
+
+
+def test_no_key_is_written_anywhere(spoken: tuple[Path, Script]) -> None:
+    folder, script = spoken
+    assert set(script.keys) == {f"Bearer {KEY}"}
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    assert len(files) > 5
+    assert not [path for path in files if KEY.encode() in path.read_bytes()]
+
+
+def test_a_replay_is_the_run_to_the_last_digit(
+    drafted: Path, tmp_path: Path, untrained: None
+) -> None:
+    again = run("swimmer", TINY, Replay(drafted), seed=1, out=tmp_path / "again").folder
+    assert numbers(again) == numbers(drafted)
+    before, after = exchanges(drafted), exchanges(again)
+    assert [one.key for one in after] == [one.key for one in before]
+    assert [one.findings for one in after] == [one.findings for one in before]
+    assert {one.cost for one in after} == {0.0}
+    assert summarise(again).spending.requests == 0
+    assert "as recorded in" in Manifest.load(RunFolder(again).manifest).provenance
+
+
+def test_a_replay_of_another_search_says_where_it_parts(drafted: Path, tmp_path: Path) -> None:
+    other = replace(TINY, search=replace(TINY.search, objective="fitness"))
+    with pytest.raises(InputError, match="another prompt for coarse morphology 0"):
+        run("swimmer", other, Replay(drafted), seed=1, out=tmp_path / "other")
+
+
+def test_by_slot_another_trainer_gets_the_same_proposals(
+    drafted: Path, tmp_path: Path, untrained: None
+) -> None:
+    trainer = replace(TINY.trainer, options={**TINY.trainer.options, "policy_rate": 3e-4})
+    other = replace(TINY, trainer=trainer)
+    folder = run("swimmer", other, Replay(drafted, "slot"), seed=1, out=tmp_path / "o").folder
+    assert numbers(folder) != numbers(drafted)
+    replies = {(one.slot, one.repair): one.reply for one in exchanges(drafted)}
+    assert all(replies[one.slot, one.repair] == one.reply for one in exchanges(folder))
+
+
+def test_only_runs_of_a_model_can_be_replayed(tmp_path: Path) -> None:
+    folder = tmp_path / "offline"
+    manifest = Manifest("swimmer", 1, "custom", "offline", "No LLM was used.", 1, TINY)
+    RunFolder.prepare(folder, manifest).release()
+    with pytest.raises(InputError, match="designed by 'offline'"):
+        run("swimmer", TINY, Replay(folder), seed=1, out=tmp_path / "again")
+    assert not (tmp_path / "again").exists()
+
+
+def test_a_run_killed_again_and_again_pays_for_nothing_twice(drafted: Path, tmp_path: Path) -> None:
+    program = textwrap.dedent(
+        """
+        import sys, msgspec
+        from pathlib import Path
+        sys.path.insert(0, sys.argv[3])
+        import robomore.experiment
+        from test_run_llm import talk
+        from untrained import Untrained
+        Untrained.seconds = 0.3
+        robomore.experiment.Processes = Untrained
+        talk(Path(sys.argv[1]), sys.argv[2])
+        """
+    )
+    out = tmp_path / "killed"
+    with serve(*CONVERSATION) as (url, script):
+        command = [sys.executable, "-c", program, str(out), url, str(Path(__file__).parent)]
+        # While a reward is rehearsed, while the grid is trained, and in the fine stage.
+        for kept, asked in ((6, 6), (7, 7), (8, 8)):
+            process = subprocess.Popen(command)
+            _wait(lambda kept=kept: len(_so_far(out)) >= kept, process)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            assert len(script.seen) == asked, "killed too late to show anything"
+        subprocess.run(command, check=True, timeout=300)
+    assert len(script.seen) == len(exchanges(out)) == len(CONVERSATION) - 1
+    assert numbers(out) == numbers(drafted)
+
+
+def test_a_spent_budget_ends_the_run_and_a_larger_one_goes_on(
+    tmp_path: Path, untrained: None
+) -> None:
+    out = tmp_path / "poor"
+    with serve(*CONVERSATION) as (url, script):
+        with pytest.raises(BudgetExhausted, match="--max-requests"):
+            talk(out, url, budget=ModelBudget(requests=3))
+        assert len(script.seen) == 3
+        with pytest.raises(BudgetExhausted):
+            talk(out, url, budget=ModelBudget(requests=3))
+        with pytest.raises(BudgetExhausted, match="--max-tokens"):
+            talk(out, url, budget=ModelBudget(tokens=1_000))
+        assert len(script.seen) == 3
+        assert summarise(out).spending == Spending(requests=3, tokens=360)
+        talk(out, url, budget=ModelBudget(requests=len(CONVERSATION) - 1, tokens=100_000, cost=1))
+    assert summarise(out).final
+
+
+def test_a_model_that_is_gone_ends_the_run_and_a_better_day_goes_on(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with serve(body(0.8), "broken", "wrong_key", "no_money", body(0.8), "page") as (url, script):
+        with pytest.raises(ModelUnavailable, match="500"):
+            talk(out, url)
+        with pytest.raises(InputError, match="key was refused"):
+            talk(out, url)
+        with pytest.raises(InputError, match="quota"):
+            talk(out, url)
+        with pytest.raises(ModelUnavailable, match="web page"):
+            talk(out, url)
+    # The first body was asked for once; then each attempt went on from there.
+    assert len(script.seen) == 6 and len(exchanges(out)) == 2
+
+
+def test_another_model_or_another_use_of_it_is_another_run(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with serve(body(0.8), "broken") as (url, script):
+        with pytest.raises(ModelUnavailable):
+            talk(out, url)
+        model = connect("toy", base_url=url)
+        chosen = LanguageModel(model, SETTINGS, server=url)
+        for other, said in (
+            (replace(chosen, model=connect("other", base_url=url)), "model compatible:toy there"),
+            (replace(chosen, server="http://elsewhere/v1"), "server"),
+            (replace(chosen, vision=True), "vision"),
+            (replace(chosen, settings=LLMSettings(repairs=2)), "repairs 1 there, 2 here"),
+            (replace(chosen, settings=replace(SETTINGS, diversity=False)), "diversity"),
+            (replace(chosen, settings=replace(SETTINGS, sampling=Sampling(0.1))), "sampling"),
+            (replace(chosen, settings=replace(SETTINGS, history=HistorySettings(9))), "history"),
+        ):
+            with pytest.raises(RunFolderError, match=said):
+                run("swimmer", TINY, other, seed=1, out=out)
+        assert len(script.seen) == 2
+
+
+def test_a_limit_that_cannot_be_kept_is_refused_before_anything_is_written(
+    tmp_path: Path,
+) -> None:
+    model = connect("toy", base_url="http://model.example/v1")
+    chosen = LanguageModel(model, budget=ModelBudget(cost=1.0))
+    with pytest.raises(InputError, match="--price"):
+        run("swimmer", TINY, chosen, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_is_secret_in_a_url_is_no_part_of_a_run() -> None:
+    model = connect("toy", base_url="http://model.example/v1")
+    chosen = LanguageModel(model, server="https://me:secret@model.example:8/v1?token=secret")
+    assert chosen.identity["server"] == "https://model.example:8/v1"
+    assert "secret" not in json.dumps(chosen.identity)
+
+
+def test_pictures_go_along_where_the_model_can_see(tmp_path: Path, untrained: None) -> None:
+    answers = (body(0.8), body(0.6), GOOD, body(0.7), "wrong_path")
+    with serve(*answers) as (url, script), pytest.raises(InputError, match="serves no model"):
+        talk(tmp_path / "out", url, vision=True)
+    kinds = [[part["type"] for part in one["messages"][1]["content"]] for one in script.seen[3:]]
+    assert kinds == [["text", "image_url"]] * 2
+    assert all(isinstance(one["messages"][1]["content"], str) for one in script.seen[:3])
+
+
+def test_no_key_reaches_a_worker_or_a_rewards_process(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("OPENAI_API_KEY", "planted")
+    monkeypatch.setenv(COMPATIBLE_KEY, "planted")
+    monkeypatch.setenv("ROBOMORE_CACHE", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent / "executors"))
+    with closing(Processes(1)) as workers:
+        ((_, seen),) = workers.map("jobs:environment", [b""], lambda *news: None, 30)
+    assert isinstance(seen, Done)
+    assert b"ROBOMORE_CACHE" in seen.reply and b"PATH" in seen.reply
+    assert b"KEY" not in seen.reply
+    curious = program("raise ValueError(sorted(__import__('os').environ))")[1]
+    (found,) = Rehearsal(get_task("swimmer"), tmp_path)(curious.strip("`").removeprefix("python"))
+    assert "'PATH'" in found.message and "KEY" not in found.message
+
+
+def test_nonsense_from_a_real_server_becomes_a_champion(tmp_path: Path) -> None:
+    pytest.importorskip("xllamacpp")
+    pytest.importorskip("gguf")
+    from llm.llama import serve_llama
+
+    small = replace(TINY, search=replace(TINY.search, morphologies=1))
+    settings = LLMSettings(history=HistorySettings(500), sampling=Sampling(temperature=1.5, seed=1))
+    with serve_llama(tmp_path) as url:
+        chosen = LanguageModel(connect("random", base_url=url), settings, server=url)
+        folder = run("swimmer", small, chosen, seed=1, workers=2, out=tmp_path / "run").folder
+    kept = exchanges(folder)
+    accepted = sum(one.findings == () for one in kept)
+    # A body and a reward, then one of each in the fine stage; the rest was sent back.
+    assert accepted == 4 < len(kept)
+    assert summarise(folder).final
+    assert (folder / "champion" / "policy.npz").is_file()
+
+
+def _so_far(out: Path) -> list[Exchange]:
+    return exchanges(out) if RunFolder(out).ledger.is_file() else []
+
+
+def _wait(ready: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
+    until = time.monotonic() + 120
+    while time.monotonic() < until:
+        assert process.poll() is None, "the run ended by itself"
+        try:
+            if ready():
+                return
+        except Exception as error:  # noqa: BLE001  # the ledger is just being made
+            assert "no such table" in str(error) or "cannot be used" in str(error)
+        time.sleep(0.02)
+    raise AssertionError("nothing happened")

@@ -1,0 +1,53 @@
+"""An executor that trains nothing: evaluations at once, with numbers made from their keys."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator, Sequence
+
+import msgspec
+
+from robomore.evaluation.request import Request
+from robomore.executors import Done, Outcome
+from robomore.executors.executor import Progress
+from robomore.tasks import get_task
+from robomore.types import Evaluation, Status, TermStatistics
+
+
+class Untrained:
+    """Stands in for `Processes` where a test is about proposals."""
+
+    seconds = 0.0
+    """That one evaluation takes."""
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+
+    def map(
+        self, function: str, payloads: Sequence[bytes], progress: Progress, timeout: float
+    ) -> Generator[tuple[int, Outcome]]:
+        for index, payload in enumerate(payloads):
+            progress(index, 0)
+            time.sleep(self.seconds)
+            request = msgspec.json.decode(payload, type=Request)
+            yield index, Done(msgspec.json.encode(made_up(request)))
+
+    def close(self) -> None:
+        """Nothing to stop."""
+
+
+def made_up(request: Request) -> Evaluation:
+    job = request.job
+    volume = get_task(job.task).volume(job.design.morphology.parameters)
+    fitness = int(request.key[:8], 16) / 16**8
+    return Evaluation(
+        request.key,
+        job,
+        Status.OK,
+        fitness=fitness,
+        volume=volume,
+        efficiency=fitness / volume,
+        behaviour={"forward_distance_m": fitness},
+        terms={"speed": TermStatistics(fitness, 0.0, 1.0)},
+        steps=job.steps,
+    )
