@@ -1,4 +1,4 @@
-"""What the search asks of a designer, whatever stands behind it: an LLM, an optimiser or a person."""
+"""What the search asks of a designer, be it an LLM, an optimiser or a person."""
 
 from __future__ import annotations
 
