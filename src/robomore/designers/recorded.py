@@ -75,6 +75,7 @@ class RecordedDesigner:
         return proposal.reward
 
     def _filled(self, slot: Slot, given: str, ask: Callable[[Slot], Proposal]) -> Proposal:
+        failure = ""
         for attempt in range(self._attempts):
             fresh = replace(slot, attempt=attempt)
             proposal = self._ledger.proposal(fresh, given)
@@ -84,11 +85,12 @@ class RecordedDesigner:
                 except ProposalFailed as error:
                     proposal = Proposal(fresh, failure=str(error))
                 self._ledger.add_proposal(proposal, given)
+            failure = proposal.failure
             said = proposal.morphology or proposal.reward
-            self._observe(Proposed(fresh, said.idea if said else "", proposal.failure))
+            self._observe(Proposed(fresh, said.idea if said else "", failure))
             if said is not None:
                 return proposal
         raise ProposalFailed(
             f"{self.name} could not fill the {slot.stage} stage's {slot.kind} {slot.index} "
-            f"in {self._attempts} attempts; the last one: {proposal.failure}"
+            f"in {self._attempts} attempts; the last one: {failure}"
         )
