@@ -91,7 +91,7 @@ def test_progress_backwards_is_none() -> None:
     [
         (replace(QUIET, usage=used(memory=1001 * 2**20)), Status.OUT_OF_MEMORY),
         (replace(QUIET, usage=used(cpu=201.0)), Status.TIMED_OUT),
-        (replace(QUIET, usage=used(threads=500)), Status.REWARD_FAILED),
+        (replace(QUIET, usage=used(threads=10_000)), Status.REWARD_FAILED),
         (replace(QUIET, printed=2**30), Status.REWARD_FAILED),
         (replace(QUIET, left_on_disk=21 * 2**20), Status.REWARD_FAILED),
         (replace(QUIET, left_on_disk=None), Status.REWARD_FAILED),

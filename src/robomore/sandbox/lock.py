@@ -105,14 +105,16 @@ def _end_with(parent: int) -> str:
 def _limit(wanted: Lock) -> str:
     """Set limits that code in this process cannot raise again."""
     os.umask(0o077)
+    data = wanted.memory_bytes + _STACKS * (os.cpu_count() or 1)
     limits = {
         resource.RLIMIT_CORE: (0, 0),
         resource.RLIMIT_NOFILE: (_FILES, _FILES),
         resource.RLIMIT_FSIZE: (wanted.file_bytes, wanted.file_bytes),
         # The soft limit ends the process with a signal of its own, the hard one with SIGKILL.
         resource.RLIMIT_CPU: (wanted.cpu_seconds, wanted.cpu_seconds + 5),
-        # Not RLIMIT_AS: XLA and allocators reserve far more addresses than they ever use.
-        resource.RLIMIT_DATA: (wanted.memory_bytes, wanted.memory_bytes),
+        # Not RLIMIT_AS: XLA and allocators reserve far more addresses than they ever use. What
+        # counts is resident memory, which the parent watches; this stops a jump between two looks.
+        resource.RLIMIT_DATA: (data, data),
     }
     if (tasks := _tasks_now()) is not None:
         # Counted over all that the user runs, so only a bound on what runs away; not for root.
@@ -171,6 +173,8 @@ def _prctl(option: int, value: int) -> None:
 
 
 _FILES = 256
+_STACKS = 4 * 8 * 2**20
+"""Bytes set aside for the stacks of the threads that libraries start for each core."""
 _TASKS = 1024
 _PR_SET_PDEATHSIG, _PR_SET_NO_NEW_PRIVS = 1, 38
 _CAPABILITY_VERSION = 0x20080522

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 from robomore.sandbox.usage import Usage
@@ -17,7 +18,8 @@ the parent was stopped, which is not the child's fault."""
 _IDLE_FACTOR = 5.0
 """A reward call is charged its processor time; one that computes nothing (it sleeps, or the machine
 is crowded) may take this many times the limit, so that load alone never fails an innocent."""
-_MOST_THREADS = 128
+MOST_THREADS = 128 + 4 * (os.cpu_count() or 1)
+"""XLA makes some for each core of the machine, whatever it is told."""
 _PRINTED_MOST = 64 * 2**20
 
 
@@ -106,8 +108,8 @@ class Watchdog:
             return Status.OUT_OF_MEMORY, f"used more than its {limit:.0f} MiB of memory"
         if sight.usage.cpu > self._cpu_seconds:
             return Status.TIMED_OUT, f"used up its {self._cpu_seconds:g} s of processor time"
-        if sight.usage.threads > _MOST_THREADS:
-            return Status.REWARD_FAILED, f"the reward started more than {_MOST_THREADS} threads"
+        if sight.usage.threads > MOST_THREADS:
+            return Status.REWARD_FAILED, f"the reward started more than {MOST_THREADS} threads"
         return None
 
     def _output(self, sight: Sight) -> Verdict | None:
