@@ -115,21 +115,7 @@ class StandIns:
             return lambda *args, **kwargs: make(self._run, *args, **kwargs)
         if isinstance(value, type) or getattr(value, "__module__", None) == "math":
             return value
-        return self._called(value)
-
-    def _called(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        call, run = self._run.call, self._run
-        known = FUNCTIONS.get(function)
-
-        def stand_in(*args: Any, **kwargs: Any) -> Any:
-            if known is not None and len(args) == 1 and type(args[0]) is Batched and not kwargs:
-                result = known.function(run, args[0])
-                return Batched(result, run) if type(result) is np.ndarray else result
-            if _mentioned(args) or _mentioned(kwargs.values()):
-                return call(function, args, kwargs)
-            return function(*args, **kwargs)
-
-        return stand_in
+        return _called(value, self._run)
 
     def _of_math(self, name: str) -> Callable[..., Any]:
         run, plain = self._run, getattr(math, name)
@@ -138,10 +124,10 @@ class StandIns:
         def stand_in(*args: Any) -> Any:
             if not _mentioned(args):
                 return plain(*args)
-            numbers = [one.number() if type(one) is Batched else one for one in args]
+            numbers = [one.plain() if type(one) is Batched else one for one in args]
             if name == "log" and len(numbers) == 2:
                 return Batched(np.log(numbers[0]) / np.log(numbers[1]), run)
-            result = Batched(ufunc(*(lift(number, run) for number in numbers)), run)
+            result = Batched(ufunc(*numbers), run)
             return result.whole() if name in _WHOLE else result
 
         return stand_in
@@ -154,7 +140,7 @@ class StandIns:
             items = list(args[0]) if len(args) == 1 else list(args)
             if kwargs or not _mentioned(items):
                 return plain(items, **kwargs) if len(items) > 1 else plain(*args, **kwargs)
-            numbers = [one.number() if type(one) is Batched else lift(one, run) for one in items]
+            numbers = [one.plain() if type(one) is Batched else lift(one, run) for one in items]
             best = numbers[0]
             for number in numbers[1:]:
                 best = np.where(better(number, best), number, best)
@@ -209,7 +195,27 @@ class _Ufunc:
         return self._ufunc(*args, **kwargs)
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._ufunc, name)
+        member = getattr(self._ufunc, name)
+        if not callable(member):
+            return member
+        if name == "at":
+            self._run.refuse("`ufunc.at`")
+        return _called(member, self._run)
+
+
+def _called(function: Callable[..., Any], run: Run) -> Callable[..., Any]:
+    """Return a function of NumPy's that takes `Batched` wherever it takes arrays."""
+    known = FUNCTIONS.get(function)
+
+    def stand_in(*args: Any, **kwargs: Any) -> Any:
+        if known is not None and len(args) == 1 and type(args[0]) is Batched and not kwargs:
+            result = known.function(run, args[0])
+            return Batched(result, run) if type(result) is np.ndarray else result
+        if _mentioned(args) or _mentioned(kwargs.values()):
+            return run.call(function, args, kwargs)
+        return function(*args, **kwargs)
+
+    return stand_in
 
 
 def _mentioned(values: Iterable[Any]) -> bool:
@@ -246,7 +252,7 @@ def _number_type(kind: type, convert: Callable[[Batched], Batched]) -> type:
 
 
 def _as_float(run: Run, value: Batched) -> Batched:
-    return Batched(value.number() * 1.0, run)
+    return Batched(value.plain() * 1.0, run)
 
 
 def _array(run: Run, obj: Any, dtype: Any = None, copy: bool = True) -> Any:

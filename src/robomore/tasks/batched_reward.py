@@ -30,8 +30,11 @@ from robomore.tasks.reward_runner import PerSimulationReward
 from robomore.tasks.term_record import as_number
 from robomore.types import TermStatistics
 
-FEWEST = 4
-"""Simulations below which one run for all costs about as much as one for each."""
+RUN_IN_CALLS = 5
+"""What one run for many simulations costs, in calls for one: measured, more for short rewards."""
+
+FEWEST = 8
+"""Simulations below which runs for many are not worth the trouble."""
 
 CHECKS = 32
 """How often each way through a reward is compared with runs per simulation before it is trusted."""
@@ -330,7 +333,7 @@ class BatchedReward:
     def _finish(self, done: list[Group]) -> None:
         """End a step after which the simulations form the groups `done`."""
         if self._steps % WINDOW == 0:
-            if self._runs > WINDOW * max(2, self._n // 3):
+            if self._runs * RUN_IN_CALLS > WINDOW * self._n:
                 self._give_up("its conditions part the simulations too often")
             self._runs = 0
         if self._why:

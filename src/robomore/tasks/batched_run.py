@@ -81,8 +81,9 @@ class Run:
         Raises:
             Refused: always.
         """
-        self.trouble = self.trouble or Refused(what)
-        raise self.trouble
+        refused = Refused(what)
+        self.trouble = self.trouble or refused
+        raise refused
 
     def decide(self, holds: Values) -> bool:
         """Return the truth of a condition (m,) that all simulations agree in.
@@ -92,8 +93,9 @@ class Run:
         """
         first = bool(holds[0])
         if len(holds) > 1 and not (holds.all() if first else not holds.any()):
-            self.trouble = self.trouble or Divided(holds.astype(np.bool_))
-            raise self.trouble
+            divided = Divided(holds.astype(np.bool_))
+            self.trouble = self.trouble or divided
+            raise divided
         self.outcomes.append(first)
         return first
 

@@ -128,6 +128,12 @@ class Batched:
         rounded = Batched(np.round(self.values, digits or 0), self.run)
         return rounded.whole() if digits is None else rounded
 
+    def __divmod__(self, other: Any) -> tuple[Batched, Batched]:
+        return self // other, self % other
+
+    def __rdivmod__(self, other: Any) -> tuple[Batched, Batched]:
+        return other // self, other % self
+
     def __bool__(self) -> bool:
         return self.run.decide(self.number())
 
@@ -246,8 +252,14 @@ class Batched:
     def tolist(self) -> Any:
         return [part.tolist() for part in self] if self.ndim else self
 
+    def plain(self) -> Values:
+        """Return (m,): the number that this is in each simulation, where no array will do."""
+        if self.values.ndim > 1:
+            self.run.refuse("an array in the place of a number")
+        return self.values
+
     def number(self) -> Values:
-        """Return (m,): the one number that this is in each simulation."""
+        """Return (m,): the one number that this holds in each simulation."""
         if self.values.ndim == 1:
             return self.values
         if self.size != 1:
@@ -255,8 +267,8 @@ class Batched:
         return self.values.reshape(-1)
 
     def whole(self) -> Batched:
-        """Return the one number without its fraction, as `int` does."""
-        number = np.trunc(self.number() * 1.0)
+        """Return the number without its fraction, as `int` does."""
+        number = np.trunc(self.plain() * 1.0)
         if not np.isfinite(number).all():
             self.run.refuse("`int` of what is not finite")
         return Batched(number.astype(np.int64), self.run)
