@@ -23,7 +23,7 @@ SETTINGS = CrossQSettings(
     initial_entropy_weight=1e-4,
     # Small enough to be filled and overwritten.
     replay_size=1_000,
-    average_rounds=5,
+    average_share=0.1,
 )
 
 Ending = tuple[bool, bool]

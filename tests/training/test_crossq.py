@@ -17,10 +17,10 @@ from robomore.training.loop import Run
 
 
 def trained(
-    probe: Any, steps: int, seed: int = 1, entropy_weight: float = 1e-4, average_rounds: int = 1
+    probe: Any, steps: int, seed: int = 1, entropy_weight: float = 1e-4, average_share: float = 0.0
 ) -> Run:
     # What the compiled step does not read is set past its settings: compiling takes long.
-    settings = replace(SETTINGS, average_rounds=average_rounds)
+    settings = replace(SETTINGS, average_share=average_share)
     run = Run(CrossQ(SETTINGS), settings, probe, seed)
     policy = run.learner.policy._replace(log_entropy_weight=np.log(np.float32(entropy_weight)))
     run.learner = run.learner._replace(policy=policy)
@@ -74,7 +74,7 @@ def test_the_policy_picks_what_is_rewarded() -> None:
     def reward(elapsed: Any, bit: Any, action: NDArray[Any]) -> NDArray[Any]:
         return -np.square(action[:, 0] - np.where(bit, wanted[1], wanted[0]))
 
-    policy = trained(Probe(reward), 6_000, entropy_weight=0.1, average_rounds=100).policy()
+    policy = trained(Probe(reward), 6_000, entropy_weight=0.1, average_share=0.3).policy()
     for bit, best in wanted.items():
         assert policy.act(np.array([[0.0, bit]])) == pytest.approx(best, abs=0.15)
 

@@ -48,7 +48,7 @@ class LoopSettings(Protocol):
     @property
     def batch_size(self) -> int: ...
     @property
-    def average_rounds(self) -> int: ...
+    def average_share(self) -> float: ...
 
 
 class Learning(Protocol):
@@ -183,20 +183,18 @@ class Run:
         self._track_average()
 
     def _track_average(self) -> None:
-        """Let the average forget what is older than the rounds asked for; at first, nothing."""
-        share = 1 / min(
-            self.updates // self.settings.updates_per_round, self.settings.average_rounds
-        )
-        if share == 1:
+        """Average over a window that grows with training, so that it serves every budget."""
+        window = self.settings.average_share * self.updates / self.settings.updates_per_round
+        if window <= 1:
             self.average = self.layers
             return
         self.average = [
-            (old[0] + share * (new[0] - old[0]), old[1] + share * (new[1] - old[1]))
+            (old[0] + (new[0] - old[0]) / window, old[1] + (new[1] - old[1]) / window)
             for old, new in zip(self.average, self.layers, strict=True)
         ]
 
     def policy(self) -> MLPPolicy:
-        """Return the deterministic policy, averaged over the last rounds."""
+        """Return the deterministic policy, averaged over the last rounds of learning."""
         size = self.environment.action_size
         *inner, (weight, bias) = self.average
         layers = [*inner, (weight[:, :size], bias[:size])]

@@ -67,9 +67,9 @@ class CrossQSettings:
     renorm_after: int = 100_000
     """Gradient steps with plain batch normalisation before the correction of batch
     renormalisation sets in."""
-    average_rounds: Count = 1
-    """The policy that is returned is an exponential average over about so many last rounds;
-    1 for the last policy itself."""
+    average_share: Fraction = 0.1
+    """The policy that is returned is an exponential average over about this last share of the
+    learning; 0 for the last policy itself."""
 
 
 @dataclass(frozen=True, slots=True)
