@@ -15,9 +15,10 @@ import pytest
 
 from robomore.errors import RunFolderError
 from robomore.experiment import evaluate, run
-from robomore.settings import Budget, RunSettings, SearchSettings, preset
+from robomore.settings import PRESETS, Budget, RunSettings, SearchSettings, preset
 from robomore.store import Ledger, RunFolder
 from robomore.tasks import get_task
+from robomore.training.settings import settings_from
 from robomore.types import Evaluation, Status, TrainerSettings
 
 TRAINER = TrainerSettings(
@@ -157,6 +158,13 @@ def test_a_failure_is_a_status_with_a_diagnosis(reward: str, status: str, said: 
 def test_presets_are_known_by_name_and_grow() -> None:
     steps = [preset(name).candidate.steps for name in ("smoke", "quick", "standard", "paper")]
     assert steps == sorted(steps)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_names_a_trainer_that_there_is(name: str) -> None:
+    settings = preset(name)
+    rounds = settings_from(settings.trainer)
+    assert settings.candidate.steps > rounds.warm_up_steps + rounds.steps_per_round
 
 
 def _effort(target: float) -> str:

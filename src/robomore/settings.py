@@ -80,7 +80,7 @@ def standard() -> RunSettings:
     """The paper's 25 x 5 grid with a trainer that needs a minute or two of one core each."""
     return RunSettings(
         search=SearchSettings(finalists=2, repeats=3),
-        trainer=TrainerSettings("crossq", _STEADY),
+        trainer=TrainerSettings("crossq"),
         candidate=Budget(steps=150_000, episodes=10),
         final=Budget(steps=300_000, episodes=20),
     )
@@ -90,7 +90,7 @@ def paper() -> RunSettings:
     """The paper's budget: 5e5 steps a candidate, 1e6 for the winner, 100 episodes."""
     return RunSettings(
         search=SearchSettings(),
-        trainer=TrainerSettings("crossq", _STEADY),
+        trainer=TrainerSettings("crossq"),
         candidate=Budget(steps=500_000, episodes=100),
         final=Budget(steps=1_000_000, episodes=100),
     )
@@ -98,10 +98,6 @@ def paper() -> RunSettings:
 
 _SMALL = {"hidden": [128, 128], "batch_size": 128}
 """A third of the time for a gradient step, and good enough to tell candidates apart."""
-
-_STEADY = {"average_rounds": 50}
-"""Hopper's last policy may fall where the average of the last 6,400 steps stands. At small budgets
-the average would lag behind what is still being learnt."""
 
 PRESETS: dict[str, Callable[[], RunSettings]] = {
     "smoke": smoke,
