@@ -205,7 +205,7 @@ def test_it_takes_over_what_is_kept_when_it_changes_its_way() -> None:
 @pytest.mark.parametrize("late", [0.1, 1.0])
 @pytest.mark.parametrize(
     "bad",
-    ["np.nan", "np.inf", "math.sqrt(-1.0 * v)", "np.zeros(2)[int(v) + 9]", "1 / float(0 * v)"],
+    ["np.nan", "np.inf", "math.sqrt(-1.0 * v)", "np.zeros(2)[int(v) + 9]", "(1 / float(0 * v))"],
 )
 def test_a_reward_that_fails_at_some_state_says_so_as_ever(bad: str, late: float) -> None:
     """In one simulation, in a step that has been trusted for long or not."""
@@ -225,11 +225,24 @@ def test_a_reward_that_fails_at_some_state_says_so_as_ever(bad: str, late: float
     assert "in the state qpos = [" in said[0]
 
 
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_a_reward_that_was_trusted_may_still_fail() -> None:
+    """Not a number from some time on, in a way through the reward that is as old as any."""
+    said = []
+    for batched in (True, False):
+        batch = batch_of("return np.sqrt(2.01 - self.data.time), {}", "swimmer", batched=batched)
+        drive(batch, 50)
+        with pytest.raises(RewardFailed, match="was nan") as failed:
+            drive(batch, 1)
+        said.append(str(failed.value))
+    assert said[0] == said[1]
+
+
 def test_numbers_that_are_not_finite_on_the_way_are_left_to_each_simulation() -> None:
     """Python's own numbers raise where NumPy's go on: `1 / float(x)` is not `np.inf`."""
     body = """
 try:
-    speed = 1.0 / float(round(x_velocity))
+    speed = min(1.0 / float(round(x_velocity)), 5.0)
 except ZeroDivisionError:
     speed = 7.0
 return speed, {'speed': speed}
@@ -269,8 +282,9 @@ def test_its_action_is_its_own() -> None:
     ("task", "body"),
     [("hopper", FORWARD), ("hopper", BRANCHES), ("hopper", MEMORY), ("ant", MEMORY)],
 )
-def test_continues_to_the_last_bit(task: str, body: str) -> None:
+def test_continues_to_the_last_bit(task: str, body: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """While its ways are still compared, while they are trusted, and after it was given up."""
+    monkeypatch.setattr(batched_reward, "RECHECK", 8)
     undisturbed, saved, restored = (batch_of(body, task) for _ in range(3))
     for steps, seed in ((20, 1), (30, 2), (30, 3)):
         for batch in (undisturbed, saved):
