@@ -140,6 +140,8 @@ def compare(batched: Any, truth: Any, index: int) -> None:
         "w = v[2:]; w *= 3",
         "w = v[0]; v[0] = 9.0; u[1] = w",
         "w = x; x += 1; u[1] = w",
+        "w = one.item(); one += 1; u[1] = w",
+        "w = one.reshape(()); u[1] = w; one += 1",
         "a = np.zeros(6); a[2] = x; v[:] = a",
         "a = np.array([1.0, 2.0]); a[0] = x; v[:2] = a",
         "v /= p; v **= 2; v //= 0.1; v %= 0.7",

@@ -151,7 +151,7 @@ class BatchedReward:
             else:
                 truths = self._checked(group, result, x_velocity, actions)
             if truths is None:
-                rewards[group.rows] = result.rewards
+                rewards[slice(None) if group is self._everyone else group.rows] = result.rewards
                 results.append(result)
                 done.append(result.after)
                 continue

@@ -232,7 +232,8 @@ class Batched:
             self.run.refuse("an array in another order")
         if self.values.ndim == 2 and wanted == (-1,):
             return Batched(self.values[:], self.run)
-        return Batched(self.values.reshape(*wanted, self.values.shape[-1]), self.run)
+        shaped = self.values.reshape(*wanted, self.values.shape[-1])
+        return Batched(shaped if wanted else shaped.copy(), self.run)
 
     def ravel(self) -> Batched:
         return self.reshape(-1)
@@ -247,7 +248,7 @@ class Batched:
         return Batched(self.values.astype(dtype), self.run)
 
     def item(self, *index: int) -> Batched:
-        return self[index].item() if index else Batched(self.number(), self.run)
+        return self[index].item() if index else Batched(self.number().copy(), self.run)
 
     def tolist(self) -> Any:
         return [part.tolist() for part in self] if self.ndim else self

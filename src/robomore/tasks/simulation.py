@@ -60,7 +60,6 @@ class Simulations:
         qvel: (n, nv) the velocities in it.
         cfrc_ext: (n, bodies, 6) contact forces after the last step, where anything asks for them.
         healthy: (n,) bool after the last step.
-        elapsed: (n,) control steps done in each episode.
         diverged: (n,) bool, the physics diverged in the last step.
         divergences: how often it did in all.
     """
@@ -125,9 +124,12 @@ class Simulations:
 
         self.observation: Array = np.zeros((n, self.observation_size))
         self.healthy = np.ones(n, np.bool_)
-        self.elapsed = np.zeros(n, np.int64)
+        self._now = 0  # control steps so far
+        self._began = np.zeros(n, np.int64)  # how many there were when each episode began
         self._left = 0  # steps in which surely no episode's time will be up
-        self.diverged: NDArray[np.bool_] = np.zeros(n, np.bool_)
+        self._nowhere = np.zeros(n, np.bool_)
+        self._nowhere.flags.writeable = False
+        self.diverged: NDArray[np.bool_] = self._nowhere
         self.divergences = 0
         self._episodes = 0
         self._over = np.zeros(n, np.bool_)
@@ -144,6 +146,11 @@ class Simulations:
                 live,
                 allowed=batched,
             )
+
+    @property
+    def elapsed(self) -> NDArray[np.int64]:
+        """(n,) control steps done in each episode."""
+        return self._now - self._began
 
     @property
     def root_positions(self) -> Array:
@@ -204,28 +211,31 @@ class Simulations:
         self._gather()
         diverged = self._settle_diverged()
 
-        x_velocity = (self._position - before) / self._dt
         final = self.environment.batch_observation(self.physics_state, self.cfrc_ext)
         if self._falls:
             self.healthy = self.environment.batch_healthy(self.physics_state)
         terminated = ~self.healthy if self._terminates else np.zeros(self.n, np.bool_)
         if diverged:
-            x_velocity[self.diverged] = 0.0
             terminated |= self.diverged
         if self._runner is None:
             reward = np.zeros(self.n)
         else:
+            x_velocity = (self._position - before) / self._dt
+            if diverged:
+                x_velocity[self.diverged] = 0.0
             reward = self._runner(self, x_velocity, applied)
-        self.elapsed += 1
+        self._now += 1
         self._left -= 1
         truncated, ended = np.zeros(self.n, np.bool_), terminated
+        may_end = self._terminates or diverged
         if self._left <= 0:
             truncated = self.elapsed >= self._steps
             ended = terminated | truncated
             self._left = self._steps - int(self.elapsed.max())
+            may_end = True
         self.observation = final
         self._last_qpos = self.qpos
-        if np.count_nonzero(ended):
+        if may_end and np.count_nonzero(ended):
             self._end(np.flatnonzero(ended), final)
         return Transition(self.observation, reward, terminated, truncated, final)
 
@@ -253,7 +263,7 @@ class Simulations:
             "physics": physics,
             "position": self._position.copy(),
             "observation": self.observation.copy(),
-            "elapsed": self.elapsed.copy(),
+            "elapsed": self.elapsed,
             "over": self._over.copy(),
             "last_qpos": self._last_qpos.copy(),
             "counts": np.array([self.divergences, self._episodes, self._forces_needed], np.int64),
@@ -271,7 +281,7 @@ class Simulations:
         # Body positions lag behind qpos within a step, so they cannot be computed from it.
         self._position[:] = state["position"]
         self.observation = state["observation"].copy()
-        self.elapsed = state["elapsed"].copy()
+        self._began = self._now - state["elapsed"]
         self._left = 0
         self._over = state["over"].copy()
         self._last_qpos = state["last_qpos"].copy()
@@ -308,7 +318,7 @@ class Simulations:
         mujoco.mj_resetData(self.model, data)
         environment.data, environment.np_random = data, self._generators[index]
         self.observation[index] = environment.reset_model()
-        self.elapsed[index] = 0
+        self._began[index] = self._now
         self._over[index] = False
         self._rows.read_one(index)
         if self._runner is not None:
@@ -333,7 +343,7 @@ class Simulations:
 
     def _settle_diverged(self) -> bool:
         """Reset the simulations whose physics diverged; returns whether any did."""
-        self.diverged = np.zeros(self.n, np.bool_)
+        self.diverged = self._nowhere
         # Not a number is not less than anything.
         if self._rows.square_sum() < DIVERGED**2:
             return False

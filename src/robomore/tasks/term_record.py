@@ -30,10 +30,8 @@ class TermRecord:
         """Prepare for `n` simulations."""
         self._n = n
         self._terms: dict[str, list[float]] = {}  # name -> count, sum, low, high
-        # Steps that are not yet counted, (steps, terms, n); NaN is no number.
         self._names: tuple[Any, ...] = ()
-        self._pending = np.empty((0, 0, n))
-        self._steps = 0
+        self._pending: list[list[Any]] = []  # of steps that are not yet counted
 
     def add(self, terms: Mapping[str, Any]) -> None:
         """Record the terms of one simulation; what is not one finite number does not count."""
@@ -47,17 +45,14 @@ class TermRecord:
         """Record the terms of all simulations in one step.
 
         Args:
-            terms: by name: (n,), or the number that it is in all simulations; NaN where it is none.
+            terms: by name: (n,), not to be changed any more, or the number that it is in all
+                simulations; NaN where it is none.
         """
         names = tuple(terms)
-        if names != self._names or self._steps == len(self._pending):
+        if names != self._names or len(self._pending) >= _MOST_PENDING:
             self._settle()
             self._names = names
-            self._pending = np.empty((_MOST_PENDING, len(names), self._n))
-        row = self._pending[self._steps]
-        for i, value in enumerate(terms.values()):
-            row[i] = value
-        self._steps += 1
+        self._pending.append(list(terms.values()))
 
     def statistics(self) -> dict[str, TermStatistics]:
         """Return mean, low and high by name."""
@@ -79,11 +74,14 @@ class TermRecord:
         """Continue from what `state` returned."""
         names = json.loads(state["terms"].tobytes())
         self._terms = dict(zip(names, state["statistics"].tolist(), strict=True))
-        self._steps = 0
+        self._pending = []
 
     def _settle(self) -> None:
-        pending, self._steps = self._pending[: self._steps], 0
-        for name, of_term in zip(self._names, pending.swapaxes(0, 1), strict=True):
+        pending, self._pending = self._pending, []
+        of_term = np.empty((len(pending), self._n))
+        for i, name in enumerate(self._names):
+            for row, values in zip(of_term, pending, strict=True):
+                row[:] = values[i]
             if np.isfinite(of_term).all():
                 of_steps = zip(of_term.sum(1), of_term.min(1), of_term.max(1), strict=True)
                 for total, low, high in of_steps:
