@@ -1,9 +1,9 @@
 """What a control step costs over the bare physics, for each robot.
 
-Each step is done four times from the same states with the same actions, one right after the other:
-bare `mj_step` of all simulations, `Simulations` without a reward, with the reference reward run for
-the whole batch, and with the same run once per simulation. Medians over steps of the thread's own
-processor time.
+Each step is done three times from the same states with the same actions, one right after the other:
+bare `mj_step` of all simulations, `Simulations` without a reward, and `Simulations` with the
+reference reward, which runs for the whole batch; in another pass it runs once per simulation.
+Medians over steps of the thread's own processor time.
 
     python benchmarks/simulation.py [--simulations 16] [--steps 300]
 """
@@ -32,44 +32,41 @@ WARM_UP = 40
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
-def measure(robot: str, n: int, steps: int) -> list[float]:
-    """Return microseconds per simulation and control step: bare, without and with rewards."""
+def measure(robot: str, n: int, steps: int, batched: bool = True) -> list[float]:
+    """Return microseconds per simulation and control step: bare, without and with reward."""
     task = get_task(robot)
-    reward = reward_function(task.reward)
-    led = Simulations(task, task.human, n, reward)
-    others = [
-        Simulations(task, task.human, n),
-        Simulations(task, task.human, n, reward, batched=False),
-    ]
+    led = Simulations(task, task.human, n, reward_function(task.reward), batched=batched)
+    unpaid = Simulations(task, task.human, n)
     bare = [mujoco.MjData(led.model) for _ in range(n)]
     model, frame_skip = led.model, led.environment.frame_skip
     row = np.empty(mujoco.mj_stateSize(model, STATE))
     random = np.random.default_rng(0)
-    for simulations in (led, *others):
-        simulations.reset(0)
+    led.reset(0)
+    unpaid.reset(0)
 
     def physics() -> None:
         for data in bare:
             mujoco.mj_step(model, data, frame_skip)
 
-    times = np.empty((steps + WARM_UP, 4))
+    times = np.empty((steps + WARM_UP, 3))
     for step in range(len(times)):
         actions = random.uniform(-1, 1, (n, led.action_size))
-        for i, action in enumerate(actions):
-            mujoco.mj_getState(model, led.data[i], row, STATE)
-            for target in (bare[i], *(other.data[i] for other in others)):
+        for source, plain, other, action in zip(led.data, bare, unpaid.data, actions, strict=True):
+            mujoco.mj_getState(model, source, row, STATE)
+            for target in (plain, other):
                 mujoco.mj_setState(model, target, row, STATE)
-            bare[i].ctrl[:] = action
+            plain.ctrl[:] = action
         sides: list[Callable[[], object]] = [
             physics,
-            *(partial(one.step, actions) for one in (others[0], led, others[1])),
+            partial(unpaid.step, actions),
+            partial(led.step, actions),
         ]
         # In turn, so that none always finds the caches warm.
-        for side in np.roll(range(len(sides)), step):
+        for side in np.roll([0, 1, 2], step):
             began = time.thread_time()
             sides[side]()
             times[step, side] = time.thread_time() - began
-    assert "whole batch" in led.notes()[0]
+    assert ("whole batch" in led.notes()[0]) == batched
     return list(np.median(times[WARM_UP:], axis=0) / n * 1e6)
 
 
@@ -79,13 +76,13 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=300)
     options = parser.parse_args()
     print(f"{options.simulations} simulations, microseconds per simulation and control step,")
-    print("and their ratio to the bare physics")
-    heads = ("mj_step", "no reward", "batched reward", "one reward each")
-    print(f"{'robot':<14}{heads[0]:>10}" + "".join(f"{head:>19}" for head in heads[1:]))
+    print("and ratios to the bare physics; the last one with a reward run once per simulation")
+    print(f"{'robot':<14}{'mj_step':>10}{'no reward':>18}{'reward':>18}{'each':>8}")
     for robot in ROBOTS:
         bare, *sides = measure(robot, options.simulations, options.steps)
-        columns = "".join(f"{side:>12.1f}{side / bare:>7.2f}" for side in sides)
-        print(f"{robot:<14}{bare:>10.1f}{columns}")
+        plain, _, each = measure(robot, options.simulations, options.steps, batched=False)
+        columns = "".join(f"{side:>11.1f}{side / bare:>7.2f}" for side in sides)
+        print(f"{robot:<14}{bare:>10.1f}{columns}{each / plain:>8.2f}")
 
 
 if __name__ == "__main__":
