@@ -10,7 +10,7 @@ import pytest
 from both_ways import BothWays, assert_same_statistics, program
 
 from robomore.errors import RewardFailed
-from robomore.tasks import batched_reward, get_task
+from robomore.tasks import batched_reward, batched_trust, get_task
 from robomore.tasks.reward_text import reward_function
 from robomore.tasks.simulation import Simulations
 
@@ -85,7 +85,7 @@ def test_both_ways_agree_over_many_episodes(body: str) -> None:
 
 
 def test_the_reward_is_called_once_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batched_reward, "CHECKS", 3)
+    monkeypatch.setattr(batched_trust, "CHECKS", 3)
     calls = np.zeros(1)
     source = program("COUNT()\nreturn x_velocity, {}")
     reward: Any = reward_function(source)
@@ -284,7 +284,7 @@ def test_its_action_is_its_own() -> None:
 )
 def test_continues_to_the_last_bit(task: str, body: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """While its ways are still compared, while they are trusted, and after it was given up."""
-    monkeypatch.setattr(batched_reward, "RECHECK", 8)
+    monkeypatch.setattr(batched_trust, "RECHECK", 8)
     undisturbed, saved, restored = (batch_of(body, task) for _ in range(3))
     for steps, seed in ((20, 1), (30, 2), (30, 3)):
         for batch in (undisturbed, saved):

@@ -10,6 +10,7 @@ import numpy as np
 
 from robomore.tasks import batched_state
 from robomore.tasks.batched_group import Group
+from robomore.tasks.batched_trust import Way
 from robomore.tasks.batched_value import Values
 from robomore.tasks.term_record import as_number
 
@@ -25,16 +26,16 @@ class Result:
     """What one run for m simulations gave.
 
     Attributes:
-        rewards: (m,)
+        rewards: (m,) of the simulations in `after`.
         terms: by name: (m,), or what the term is in all simulations; NaN where it is no number.
         after: the simulations, and what the reward keeps in their `self` now.
-        way: what the reward was to do with, and the outcomes of its conditions.
+        way: how it got there.
     """
 
     rewards: Values
     terms: Mapping[Any, Any]
     after: Group
-    way: tuple[Any, tuple[bool, ...]]
+    way: Way
 
 
 def difference(

@@ -8,8 +8,6 @@ cannot be done for many simulations at once, it runs once per simulation from th
 
 from __future__ import annotations
 
-import ast
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -24,41 +22,22 @@ from robomore.tasks.batched_function import batched_function
 from robomore.tasks.batched_group import Group
 from robomore.tasks.batched_run import Divided, Refused, Run
 from robomore.tasks.batched_self import BatchedData, Clock, Selected, batched_class
+from robomore.tasks.batched_trust import Trust
 from robomore.tasks.batched_value import Batched, Values
 from robomore.tasks.environments.base import Array, RewardFunction, RobotEnvironment
 from robomore.tasks.reward_runner import PerSimulationReward
 from robomore.tasks.term_record import as_number
 from robomore.types import TermStatistics
 
-RUN_IN_CALLS = 5
-"""What one run for many simulations costs, in calls for one: measured, more for short rewards."""
-
-FEWEST = 8
-"""Simulations below which runs for many are not worth the trouble."""
-
-CHECKS = 32
-"""How often each way through a reward is compared with runs per simulation before it is trusted."""
-
-RECHECK = 512
-"""A trusted way is compared again every so many runs."""
-
-MOST_WAYS = 256
-"""Ways through one reward."""
-
-MOST_STRAYS = 32
-"""Runs that may meet numbers that are not finite, each of which is done again per simulation."""
-
-WINDOW = 64
-"""Steps over which runs are counted."""
-
 Truths = list[tuple[float, Mapping[str, Any]]]
 
 
 class BatchedReward:
-    """A `RewardRunner` that calls the reward once for all simulations where it can.
+    """Gives the rewards of all simulations after one control step.
 
-    What it returns and records are the numbers for all, which differ from those per simulation by
-    rounding at most (see `batched_check`). A reward that fails is left to fail per simulation.
+    What it returns and records are the numbers of the run for all, which differ from those per
+    simulation by rounding at most (see `batched_check`). A reward that fails is left to fail per
+    simulation, where the diagnosis is made.
     """
 
     def __init__(
@@ -92,9 +71,7 @@ class BatchedReward:
         self._call: Callable[[Any, Any, Any], Any] = reward
         self._keeps = False
         self._never = "" if allowed else "as was asked for"
-        if self._n < FEWEST:
-            self._never = f"{self._n} simulations are too few for a batch"
-        if not self._never:
+        if allowed:
             try:
                 self._prepare(reward, type(environment))
             except Refused as refused:
@@ -111,10 +88,7 @@ class BatchedReward:
 
     def begin(self) -> None:
         """Start anew in all simulations, and forget what was found out about the reward."""
-        self._why = self._never
-        self._since = 0
-        self._steps = self._runs = self._strays = 0
-        self._ways: dict[Any, int] = {}
+        self._trust = Trust(self._n, self._never)
         self._groups = [self._everyone]
         self._started: set[int] = set()
         # In which simulations `self` has seen every step; what the others keep, their group knows.
@@ -125,10 +99,18 @@ class BatchedReward:
     def __call__(
         self, simulations: Any, x_velocity: NDArray[np.floating[Any]], actions: Array
     ) -> Array:
-        """Return rewards (n,)."""
-        if self._why:
+        """Return rewards (n,).
+
+        Args:
+            simulations: the `Simulations` that have just been stepped.
+            x_velocity: (n,) in m/s.
+            actions: (n, nu) as they were applied.
+
+        Raises:
+            RewardFailed: with a diagnosis for the designer.
+        """
+        if self._trust.why:
             return self._single(simulations, x_velocity, actions)
-        self._steps += 1
         self._clock.step += 1
         if self._started:
             self._admit_started()
@@ -136,9 +118,10 @@ class BatchedReward:
         done: list[Group] = []
         results: list[Result] = []
         waiting = list(self._groups)
+        runs = 0
         while waiting:
             group = waiting.pop()
-            self._runs += 1
+            runs += 1
             try:
                 result = self._result(group, simulations.healthy, x_velocity, actions)
             except Divided as divided:
@@ -160,7 +143,8 @@ class BatchedReward:
                 self._single.terms.add(terms)
             done += self._taken_over(group)
         self._record(results)
-        self._finish(done)
+        self._trust.note_step(runs)
+        self._form_groups(done)
         return rewards
 
     def reset(self, index: int) -> None:
@@ -177,10 +161,7 @@ class BatchedReward:
     @property
     def note(self) -> str:
         """How the reward ran."""
-        if not self._why:
-            return "the reward ran for the whole batch"
-        since = f" after {self._since} control steps" if self._since > 1 else ""
-        return f"the reward ran once per simulation{since}: {self._why}"
+        return self._trust.note
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything needed to continue exactly, as arrays.
@@ -190,28 +171,20 @@ class BatchedReward:
         """
         if self._started:
             self._admit_started()
-        groups = [] if self._why else self._groups
+        groups = [] if self._trust.why else self._groups
         for index in np.flatnonzero(~self._followed).tolist():
             self._single.reset(index)
-        way = {
-            "why": self._why,
-            "counts": [self._since, self._steps, self._runs, self._strays],
-            "ways": [[repr(way), count] for way, count in self._ways.items()],
-        }
         return {
             **self._single.state(),
             "groups": np.frombuffer(batched_group.dump(groups), np.uint8),
-            "way": np.frombuffer(json.dumps(way).encode(), np.uint8),
+            "trust": self._trust.state(),
             "followed": self._followed.copy(),
         }
 
     def restore(self, state: dict[str, NDArray[Any]]) -> None:
         """Continue from what `state` returned."""
         self._single.restore(state)
-        way = json.loads(state["way"].tobytes())
-        self._why = way["why"]
-        self._since, self._steps, self._runs, self._strays = way["counts"]
-        self._ways = {ast.literal_eval(text): count for text, count in way["ways"]}
+        self._trust.restore(state["trust"])
         self._groups = batched_group.load(state["groups"].tobytes(), self._run)
         self._followed = state["followed"].copy()
         self._started.clear()
@@ -262,20 +235,17 @@ class BatchedReward:
         self, group: Group, result: Result, x_velocity: Values, actions: Array
     ) -> Truths | None:
         """Compare a result where its way is not trusted; return what is right if it is wrong."""
-        count = self._ways.get(result.way, 0)
-        self._ways[result.way] = count + 1
-        if count >= CHECKS and count % RECHECK:
+        if not self._trust.wants_check(result.way):
             if self._keeps:
                 self._followed[group.rows] = False
             return None
         truths = self._truths(group, x_velocity, actions)
         kept = [self._single.kept(row) for row in group.rows.tolist()]
         wrong = difference(result, truths, kept)
-        if wrong:
-            self._give_up(f"for the whole batch, {wrong} came out different")
-        elif len(self._ways) > MOST_WAYS:
-            self._give_up("there are too many ways through it")
-        return truths if wrong else None
+        if not wrong:
+            return None
+        self._trust.give_up(f"for the whole batch, {wrong} came out different")
+        return truths
 
     def _truths(self, group: Group, x_velocity: Values, actions: Array) -> Truths:
         """Run the reward once for each simulation of a group.
@@ -294,17 +264,16 @@ class BatchedReward:
     def _note(self, error: BaseException) -> None:
         """Draw conclusions from a run that failed though the reward is right per simulation."""
         if self._run.faults or isinstance(error, FloatingPointError):
-            self._strays += 1
-            if self._strays > MOST_STRAYS:
-                self._give_up("its numbers are often not finite on the way")
+            self._trust.note_stray()
         elif isinstance(error, Refused):
-            self._give_up(f"it uses {self._single.explain(error).removeprefix('Refused: ')}")
+            what = self._single.explain(error).removeprefix("Refused: ")
+            self._trust.give_up(f"it uses {what}")
         else:
-            self._give_up(f"for the whole batch, it raised {self._single.explain(error)}")
+            self._trust.give_up(f"for the whole batch, it raised {self._single.explain(error)}")
 
     def _taken_over(self, group: Group) -> list[Group]:
         """Return simulations that ran one by one, as groups."""
-        if self._why or not self._keeps:
+        if self._trust.why or not self._keeps:
             return [group]
         try:
             return [
@@ -312,7 +281,7 @@ class BatchedReward:
                 for row in group.rows.tolist()
             ]
         except Refused as refused:
-            self._give_up(f"it uses {refused}")
+            self._trust.give_up(f"it uses {refused}")
             return [group]
 
     def _record(self, results: Sequence[Result]) -> None:
@@ -326,29 +295,20 @@ class BatchedReward:
                     terms[name][one.after.rows] = values
             self._single.terms.add_step(terms)
 
-    def _give_up(self, why: str) -> None:
-        if not self._why:
-            self._why, self._since = why, self._steps
-
-    def _finish(self, done: list[Group]) -> None:
-        """End a step after which the simulations form the groups `done`."""
-        if self._steps % WINDOW == 0:
-            if self._runs * RUN_IN_CALLS > WINDOW * self._n:
-                self._give_up("its conditions part the simulations too often")
-            self._runs = 0
-        if self._why:
+    def _form_groups(self, done: list[Group]) -> None:
+        """End a step, after which the simulations are the groups `done`."""
+        if self._trust.why:
             for group in done:
                 for position, row in enumerate(group.rows.tolist()):
                     if not self._followed[row]:
                         self._single.keep(row, group.at(position))
             self._followed[:] = True
-            self._ways.clear()
         elif self._keeps:
             self._groups = done if len(done) == 1 else batched_group.joined(done, self._run)
 
     def _admit_started(self) -> None:
         """Put simulations whose episode has begun into a group of their own."""
-        if not self._why:
+        if not self._trust.why:
             started = np.array(sorted(self._started))
             groups = batched_group.without(self._groups, started)
             groups.append(Group(started, {}))
