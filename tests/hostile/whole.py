@@ -23,7 +23,7 @@ class Quick:
         seed: int,
         checkpoint: Path | None = None,
         progress: Progress | None = None,
-    ) -> MLPPolicy:
+    ) -> list[MLPPolicy]:
         rng = np.random.default_rng(seed)
         environment.reset(seed)
         best, liked = -np.inf, np.zeros(environment.action_size)
@@ -35,7 +35,7 @@ class Quick:
             if progress is not None:
                 progress(step)
         weights = np.zeros((environment.observation_size, environment.action_size), np.float32)
-        return MLPPolicy((weights,), (liked.astype(np.float32),))
+        return [MLPPolicy((weights,), (liked.astype(np.float32),))]
 
 
 def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:

@@ -42,6 +42,7 @@ class Probe:
     n = 4
     observation_size = 2
     action_size = 1
+    discount = 0.5  # not asked, as long as the settings have one of their own
 
     def __init__(
         self,
@@ -103,6 +104,7 @@ class Cart:
     n = 4
     observation_size = 2
     action_size = 1
+    discount = 0.5  # not asked, as long as the settings have one of their own
     length = 50
 
     def reset(self, seed: int) -> NDArray[np.float64]:

@@ -22,13 +22,14 @@ def reward(elapsed: NDArray[Any], bit: NDArray[Any], action: NDArray[Any]) -> ND
     return elapsed - np.square(action[:, 0] - bit)
 
 
-def train(steps: int, seed: int = 3, checkpoint: Path | None = None) -> MLPPolicy:
+def train(steps: int, seed: int = 3, checkpoint: Path | None = None) -> list[MLPPolicy]:
     return CrossQ(SETTINGS).train(Probe(reward, length=5), steps, seed, checkpoint)
 
 
-def same(a: MLPPolicy, b: MLPPolicy) -> bool:
-    pairs = zip((*a.weights, *a.biases), (*b.weights, *b.biases), strict=True)
-    return all(np.array_equal(x, y) for x, y in pairs)
+def same(a: list[MLPPolicy], b: list[MLPPolicy]) -> bool:
+    assert len(a) == len(b) > 1
+    one, other = ([array for p in c for array in (*p.weights, *p.biases)] for c in (a, b))
+    return all(np.array_equal(x, y) for x, y in zip(one, other, strict=True))
 
 
 def test_the_seed_decides_every_bit() -> None:

@@ -74,13 +74,13 @@ def test_the_policy_picks_what_is_rewarded() -> None:
     def reward(elapsed: Any, bit: Any, action: NDArray[Any]) -> NDArray[Any]:
         return -np.square(action[:, 0] - np.where(bit, wanted[1], wanted[0]))
 
-    policy = trained(Probe(reward), 6_000, entropy_weight=0.1, average_share=0.3).policy()
+    policy = trained(Probe(reward), 6_000, entropy_weight=0.1, average_share=0.3).policies()[-1]
     for bit, best in wanted.items():
         assert policy.act(np.array([[0.0, bit]])) == pytest.approx(best, abs=0.15)
 
 
 def test_a_control_task_is_learnt() -> None:
-    policy = trained(Cart(), 8_000).policy()
+    policy = trained(Cart(), 8_000).policies()[-1]
     cart = Cart()
     observation = cart.reset(seed=7)
     rewards = []
@@ -100,7 +100,7 @@ def test_the_policy_is_that_of_the_network_in_jax() -> None:
     heads = networks.apply(
         networks.fold(layers, networks.moments(policy.moments, sizes)), observations
     )
-    assert run.policy().act(observations) == pytest.approx(np.tanh(heads[:, :1]), abs=1e-5)
+    assert run.policies()[-1].act(observations) == pytest.approx(np.tanh(heads[:, :1]), abs=1e-5)
 
 
 def test_a_reward_too_large_for_its_numbers_is_said_so() -> None:

@@ -17,16 +17,16 @@ import msgspec
 
 from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
 from robomore.evaluation.compiled import compiled_trainer
-from robomore.evaluation.measure import measure
+from robomore.evaluation.measure import choose, measure
 from robomore.evaluation.request import Request, believed
-from robomore.evaluation.train import POLICY
+from robomore.evaluation.train import POLICIES
 from robomore.sandbox.check import check_reward
 from robomore.sandbox.contain import Containment, run_contained
 from robomore.tasks import Task, get_task
 from robomore.tasks.compile import body_facts
 from robomore.tasks.simulation import Simulations
 from robomore.training.compilation import CACHE_VARIABLE
-from robomore.training.policy import MLPPolicy
+from robomore.training.policy import POLICY, MLPPolicy
 from robomore.training.warm import Shape
 from robomore.types import Evaluation, Status
 
@@ -97,10 +97,13 @@ def _evaluate(
         )
     try:
         training = believed(trained.reply)
-        policy = MLPPolicy.load(scratch / POLICY)
+        policies = [MLPPolicy.load(path) for path in sorted(scratch.glob(POLICIES))[-_MOST:]]
+        if not policies:
+            raise ValueError("no policy")
     except ValueError as error:
         said = f"training ended without a fault and left nothing that can be used: {error}"
         return Evaluation(key, job, Status.CRASHED, said, body=body, seconds=trained.seconds)
+    policy = choose(task, parameters, policies, job.seed)
     measured = measure(task, parameters, policy, job.episodes, job.seed)
     if request.artifact:
         _keep(policy, Path(request.artifact))
@@ -121,6 +124,10 @@ def _evaluate(
         artifact=Path(request.artifact).name if request.artifact else "",
         notes=training.notes,
     )
+
+
+_MOST = 16
+"""Policies that are looked at, whatever a child leaves."""
 
 
 def _keep(policy: MLPPolicy, artifact: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from robomore.errors import TrainingDiverged
@@ -10,6 +11,9 @@ from robomore.tasks.simulation import Simulations
 from robomore.tasks.task import Task
 from robomore.training.policy import MLPPolicy
 from robomore.training.rollout import rollout
+
+_CHOICE_EPISODES = 3
+"""Episodes in which policies are compared before the best is measured on others."""
 
 _SIDE_BY_SIDE = 10
 """Episodes that run together; it saves nothing to run more in one thread."""
@@ -28,6 +32,27 @@ class Measurement:
     fitness: float
     episode_fitness: tuple[float, ...]
     behaviour: dict[str, float]
+
+
+def choose(
+    task: Task, parameters: tuple[float, ...], policies: Sequence[MLPPolicy], seed: int
+) -> MLPPolicy:
+    """Return the policy with the best fitness in episodes that no measurement uses.
+
+    Args:
+        task: says what fitness is.
+        parameters: of the body.
+        policies: from one training, the latest last; among equals the latest is taken.
+        seed: as for `measure`.
+
+    Raises:
+        TrainingDiverged, UnstableSimulation: see `measure`.
+    """
+    if len(policies) == 1:
+        return policies[0]
+    apart = derive_seed(seed, "choice")
+    worth = [measure(task, parameters, one, _CHOICE_EPISODES, apart).fitness for one in policies]
+    return max(zip(worth, range(len(worth)), policies, strict=True), key=lambda one: one[:2])[2]
 
 
 def measure(

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from robomore.evaluation.train import POLICY
 from robomore.tasks.drawing import draw, ground_lines, nice_length, project, view_of
 from robomore.tasks.pictures import Frame, frame_around, image
 from robomore.tasks.simulation import Simulations
 from robomore.tasks.task import Task
-from robomore.training.policy import MLPPolicy
+from robomore.training.policy import POLICY, MLPPolicy
 from robomore.types import Evaluation
 
 if TYPE_CHECKING:

@@ -13,12 +13,12 @@ from robomore.tasks import get_task
 from robomore.tasks.simulation import Simulations
 from robomore.training.settings import make_trainer, settings_from
 
-POLICY = "policy.npz"
-"""File in the scratch folder that carries the trained policy out."""
+POLICIES = "policy-*.npz"
+"""Files in the scratch folder that carry the trained policies out, the latest last by name."""
 
 
 def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
-    """Train one design and leave its policy in `scratch`.
+    """Train one design and leave its policies in `scratch`.
 
     Args:
         payload: an encoded `Request`.
@@ -39,15 +39,17 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
         job.design.morphology.parameters,
         settings.simulations,
         load_reward(job.design.reward.source),
+        episode_seconds=settings.episode_seconds,
     )
-    policy = make_trainer(job.trainer).train(
+    policies = make_trainer(job.trainer).train(
         environment,
         job.steps,
         job.seed,
         checkpoint=Path(request.checkpoint) if request.checkpoint else None,
         progress=report,
     )
-    policy.save(scratch / POLICY)
+    for index, policy in enumerate(policies):
+        policy.save(scratch / POLICIES.replace("*", f"{index:02}"))
     return msgspec.json.encode(
         Training(job.steps, environment.reward_statistics(), environment.notes())
     )

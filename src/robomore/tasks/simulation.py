@@ -50,6 +50,7 @@ class Simulations:
 
     Attributes:
         n: simulations.
+        discount: what a reward one control step later is worth, as the task sees it.
         observation_size: numbers in an observation.
         action_size: motors.
         environment: one Gymnasium environment of this body, for its options and batched facts.
@@ -73,6 +74,7 @@ class Simulations:
         *,
         auto_reset: bool = True,
         batched: bool = True,
+        episode_seconds: float | None = None,
     ) -> None:
         """Build the simulations; `reset` or `reset_one` has to come before `step`.
 
@@ -85,6 +87,8 @@ class Simulations:
                 the caller starts episodes with `reset_one`.
             batched: whether the reward may run for all simulations at once, where that gives the
                 same numbers.
+            episode_seconds: time after which an episode is cut off, if that is before the task's
+                own; `None` for the task's own.
 
         Raises:
             InvalidMorphology: the task refuses the parameters, or MuJoCo refuses the model.
@@ -94,11 +98,14 @@ class Simulations:
         # A simulation that diverges shows it, instead of starting over in silence.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self.n = n
+        self.discount = task.discount
         self.action_size = int(self.model.nu)
         self.observation_size = sum(self.environment.observation_space.shape or ())
         self._frame_skip = int(self.environment.frame_skip)
         self._dt = float(self.environment.dt)
         self._steps = task.episode_steps
+        if episode_seconds is not None:
+            self._steps = min(self._steps, max(1, round(episode_seconds / self._dt)))
         self._auto_reset = auto_reset
         self._terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
         self._falls = type(self.environment).batch_healthy is not RobotEnvironment.batch_healthy

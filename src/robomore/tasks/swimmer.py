@@ -93,4 +93,6 @@ SWIMMER = Task(
     shapes=_shapes,
     reward=SPEED_REWARD,
     environment="robomore.tasks.environments.swimmer:SwimmerEnvironment",
+    # A stroke takes seconds to pay: with 0.99 a policy settles for a quarter of the way.
+    discount=0.999,
 )

@@ -100,6 +100,8 @@ class Task:
         constants: fixed numbers that the template refers to (never parameters).
         terrain: height field to run on, or `None` for flat ground.
         episode_steps: control steps of a full episode.
+        discount: what a reward one control step later is worth in training, unless the trainer is
+            told otherwise. A stroke that pays seconds later needs more than the usual 0.99.
     """
 
     id: str
@@ -116,6 +118,7 @@ class Task:
     constants: Mapping[str, float] = field(default_factory=dict)
     terrain: Terrain | None = None
     episode_steps: int = 1000
+    discount: float = 0.99
     version: int = 1
 
     @property

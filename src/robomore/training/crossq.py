@@ -59,7 +59,8 @@ class Minibatch(NamedTuple):
     action: jax.Array
     next_observation: jax.Array
     reward: jax.Array
-    terminated: jax.Array
+    future: jax.Array
+    """What a value after the row is worth at its start."""
 
 
 class CrossQ:
@@ -84,7 +85,7 @@ class CrossQ:
         seed: int,
         checkpoint: Path | None = None,
         progress: Progress | None = None,
-    ) -> MLPPolicy:
+    ) -> list[MLPPolicy]:
         """Train for `steps` control steps; see `loop.train`."""
         return loop.train(self, self.settings, environment, steps, seed, checkpoint, progress)
 
@@ -201,9 +202,8 @@ def _learn_critics(
     def loss(layers: list[Layer]) -> tuple[jax.Array, list[Moments]]:
         values, seen = in_training(layers, running, inputs)
         value, next_value = jnp.split(values[..., 0], 2, axis=1)
-        # A truncated episode goes on as far as values are concerned; a terminated one is over.
-        future = (1 - batch.terminated) * (next_value.min(axis=0) + entropy_bonus)
-        target = jax.lax.stop_gradient(batch.reward + settings.discount * future)
+        future = batch.future * (next_value.min(axis=0) + entropy_bonus)
+        target = jax.lax.stop_gradient(batch.reward + future)
         return 0.5 * jnp.square(value - target).mean(axis=1).sum(), seen
 
     layers = _layers_of_each(critics.parameters, sizes.critic)

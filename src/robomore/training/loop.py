@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import logging
+import math
 import time
 from pathlib import Path
 from typing import Any, Protocol
@@ -33,6 +34,10 @@ gives the Gaussian's mean and the logarithm of its deviation."""
 
 PROGRESS_SECONDS = 0.3
 
+SNAPSHOT_GROWTH = 1.1
+"""A policy is put aside each time that the steps have grown by this factor, which is a schedule
+that no budget enters: continuing gives the policies of never having stopped."""
+
 
 class LoopSettings(Protocol):
     """What the loop reads of an algorithm's settings (`robomore.training.settings`)."""
@@ -48,7 +53,13 @@ class LoopSettings(Protocol):
     @property
     def batch_size(self) -> int: ...
     @property
+    def discount(self) -> float | None: ...
+    @property
+    def n_step(self) -> int: ...
+    @property
     def average_share(self) -> float: ...
+    @property
+    def snapshots(self) -> int: ...
 
 
 class Learning(Protocol):
@@ -67,7 +78,8 @@ class Learning(Protocol):
 
         Args:
             learner: the tree, which may be overwritten.
-            rows: (updates, batch, width) from `Replay.sample`.
+            rows: (updates, batch, width) from `Replay.sample`; the last column is what a value
+                after the row is worth at its start.
             noise: (updates, 2, batch, actions), standard normal.
             done: gradient steps done before.
         """
@@ -82,7 +94,7 @@ def train(
     seed: int,
     checkpoint: Path | None,
     progress: Progress | None,
-) -> MLPPolicy:
+) -> list[MLPPolicy]:
     """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`.
 
     Raises:
@@ -109,7 +121,7 @@ def train(
         progress(run.steps)
     if checkpoint is not None:
         run.save(checkpoint)
-    return run.policy()
+    return run.policies()
 
 
 class Run:
@@ -123,9 +135,10 @@ class Run:
         self.settings: LoopSettings = settings
         self.environment = environment
         self.random = np.random.default_rng(seed)
-        self.replay = Replay(settings.replay_size, *sizes)
+        self.replay = Replay(settings.replay_size, *sizes, environment.n)
         self.learner, self.layers = learning.begin(self.random, *sizes)
         self.average = self.layers
+        self.snapshots: list[Layers] = []
         self.observation = np.zeros((environment.n, sizes[0]))
         self.rounds = 0
         self.updates = 0
@@ -136,6 +149,7 @@ class Run:
             seed,
             environment.n,
             sizes,
+            self.discount,
         ]
         self.identity = json.loads(json.dumps(identity))
 
@@ -144,13 +158,23 @@ class Run:
         """Control steps done, over all simulations."""
         return self.rounds * self.settings.steps_per_round
 
+    @property
+    def discount(self) -> float:
+        """What a reward one control step later is worth."""
+        asked = self.settings.discount
+        return self.environment.discount if asked is None else asked
+
     def advance(self) -> None:
         """Act for one round, then learn from what is remembered."""
+        before = self.steps
         for _ in range(self.settings.steps_per_round // self.environment.n):
             self._act()
         self.rounds += 1
         if self.steps >= self.settings.warm_up_steps:
             self._learn()
+            if before and _growths(self.steps) > _growths(before):
+                others = self.settings.snapshots - 1
+                self.snapshots = [*self.snapshots, self.average][-others:] if others else []
 
     def _act(self) -> None:
         shape = self.environment.n, self.environment.action_size
@@ -165,7 +189,9 @@ class Run:
 
     def _learn(self) -> None:
         updates, batch = self.settings.updates_per_round, self.settings.batch_size
-        rows = self.replay.sample(self.random, (updates, batch))
+        rows = self.replay.sample(
+            self.random, (updates, batch), self.discount, self.settings.n_step
+        )
         noise = self.random.standard_normal(
             (updates, 2, batch, self.environment.action_size), np.float32
         )
@@ -193,28 +219,24 @@ class Run:
             for old, new in zip(self.average, self.layers, strict=True)
         ]
 
-    def policy(self) -> MLPPolicy:
-        """Return the deterministic policy, averaged over the last rounds of learning."""
-        size = self.environment.action_size
-        *inner, (weight, bias) = self.average
-        layers = [*inner, (weight[:, :size], bias[:size])]
-        return MLPPolicy(
-            tuple(np.array(weight) for weight, _ in layers),
-            tuple(np.array(bias) for _, bias in layers),
-        )
+    def policies(self) -> list[MLPPolicy]:
+        """Return deterministic policies, each an average over some rounds; the latest last."""
+        return [_deterministic(layers) for layers in (*self.snapshots, self.average)]
 
     def save(self, folder: Path) -> None:
         """Leave everything in `folder`."""
         arrays = {f"learner{i}": leaf for i, leaf in enumerate(jax.tree.leaves(self.learner))}
-        for name, layers in (("layers", self.layers), ("average", self.average)):
+        for name, layers in self._policies().items():
             for i, (weight, bias) in enumerate(layers):
                 arrays |= {f"{name}_weight{i}": weight, f"{name}_bias{i}": bias}
         arrays["observation"] = self.observation
         arrays["replay"] = self.replay.rows[: self.replay.size]
+        arrays["replay_ended"] = self.replay.ended[: self.replay.size]
         facts = {
             "identity": self.identity,
             "rounds": self.rounds,
             "updates": self.updates,
+            "snapshots": len(self.snapshots),
             "replay_position": self.replay.position,
             "random": self.random.bit_generator.state,
         }
@@ -235,11 +257,35 @@ class Run:
         leaves, tree = jax.tree.flatten(self.learner)
         self.learner = jax.tree.unflatten(tree, [arrays[f"learner{i}"] for i in range(len(leaves))])
         indices = range(len(self.layers))
-        self.layers = [(arrays[f"layers_weight{i}"], arrays[f"layers_bias{i}"]) for i in indices]
-        self.average = [(arrays[f"average_weight{i}"], arrays[f"average_bias{i}"]) for i in indices]
+
+        def stored(name: str) -> Layers:
+            return [(arrays[f"{name}_weight{i}"], arrays[f"{name}_bias{i}"]) for i in indices]
+
+        self.layers, self.average = stored("layers"), stored("average")
+        self.snapshots = [stored(f"snapshot{i}") for i in range(facts["snapshots"])]
         self.observation = arrays["observation"]
-        self.replay.restore(arrays["replay"], facts["replay_position"])
+        self.replay.restore(arrays["replay"], arrays["replay_ended"], facts["replay_position"])
         self.rounds, self.updates = facts["rounds"], facts["updates"]
         self.random.bit_generator.state = facts["random"]
         self.environment.restore(found.environment)
         return True
+
+    def _policies(self) -> dict[str, Layers]:
+        """Everything that has the form of a policy, by the name it is stored under."""
+        snapshots = {f"snapshot{i}": layers for i, layers in enumerate(self.snapshots)}
+        return {"layers": self.layers, "average": self.average} | snapshots
+
+
+def _growths(steps: int) -> int:
+    return int(math.log(steps) / math.log(SNAPSHOT_GROWTH))
+
+
+def _deterministic(layers: Layers) -> MLPPolicy:
+    """Return the policy that acts by the Gaussian's mean."""
+    *inner, (weight, bias) = layers
+    size = len(bias) // 2
+    layers = [*inner, (weight[:, :size], bias[:size])]
+    return MLPPolicy(
+        tuple(np.array(weight) for weight, _ in layers),
+        tuple(np.array(bias) for _, bias in layers),
+    )

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from robomore.sandbox.remains import read_arrays
 
+POLICY = "policy.npz"
+"""Name of a policy's file in the folder of whatever it belongs to."""
+
 _MOST_BYTES = 64 * 2**20
 """Size of a policy's file; those trained here have less than 1 MiB."""
 

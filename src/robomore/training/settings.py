@@ -7,6 +7,7 @@ into the algorithm's own frozen settings, and refuses what it does not know.
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import math
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import entry_points
@@ -21,6 +22,7 @@ from robomore.types import TrainerSettings
 Count = Annotated[int, msgspec.Meta(ge=1)]
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Fraction = Annotated[float, msgspec.Meta(ge=0, lt=1)]
+Share = Annotated[float, msgspec.Meta(gt=0, le=1)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +56,13 @@ class CrossQSettings:
     """Adam's decay of the mean gradient; the lower value steadies learning without targets."""
     beta2: Fraction = 0.999
     """Adam's decay of the mean squared gradient."""
-    discount: Fraction = 0.99
-    """What a reward one control step later is worth."""
+    discount: Fraction | None = None
+    """What a reward one control step later is worth; `None` for what the task says."""
+    n_step: Count = 3
+    """Control steps over which rewards are summed before a value stands for the rest."""
+    episode_seconds: Positive | None = 5.0
+    """Episodes of training are cut off after this time, in simulated seconds, so that a robot which
+    lies on its back does not fill the memory; `None` for the task's own length."""
     policy_delay: Count = 3
     """The policy learns at every so many gradient steps of the critics."""
     initial_entropy_weight: Positive = 1.0
@@ -70,6 +77,90 @@ class CrossQSettings:
     average_share: Fraction = 0.1
     """The policy that is returned is an exponential average over about this last share of the
     learning; 0 for the last policy itself."""
+    snapshots: Count = 4
+    """Policies that are handed out, one from the end of training and the others from shortly
+    before; the best on episodes of their own is measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class SACSettings:
+    """Settings of our own soft actor-critic; the defaults are the paper's (its Table of SAC
+    training hyperparameters), and where it says nothing those of Stable-Baselines3."""
+
+    simulations: Count = 16
+    """Simulations of the body that are stepped together."""
+    steps_per_round: Count = 128
+    """Control steps, over all simulations, between two bouts of learning: the paper's 8 steps of
+    16 environments."""
+    updates_per_round: Count = 4
+    """Gradient steps in one bout of learning, all of them in one compiled call."""
+    warm_up_steps: Count = 10_000
+    """Control steps with uniformly random actions before learning starts."""
+    replay_size: Count = 2_000_000
+    """Transitions that are remembered; the oldest are overwritten."""
+    batch_size: Count = 1024
+    """Transitions in one gradient step."""
+    hidden: tuple[Count, ...] = (512, 512)
+    """Units of each hidden layer, of the policy and of each critic."""
+    critics: Count = 2
+    """Critics, the smallest of which is believed."""
+    rate: Positive = 3e-4
+    """Adam's learning rate, for policy, critics and the weight of the entropy."""
+    discount: Fraction | None = 0.99
+    """What a reward one control step later is worth; `None` for what the task says."""
+    n_step: Count = 1
+    """Control steps over which rewards are summed before a value stands for the rest."""
+    episode_seconds: Positive | None = None
+    """Episodes of training are cut off after this time, in simulated seconds; `None` for the task's
+    own length."""
+    target_rate: Share = 0.005
+    """How far the critics that give values follow those that learn, in one gradient step."""
+    initial_entropy_weight: Positive = 1.0
+    """Weight of the policy's entropy at the start; it is learnt from there."""
+    target_entropy: float | None = None
+    """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
+    average_share: Fraction = 0.0
+    """The policy that is returned is an exponential average over about this last share of the
+    learning; 0 for the last policy itself."""
+    snapshots: Count = 1
+    """Policies that are handed out, one from the end of training and the others from shortly
+    before; the best on episodes of their own is measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class SB3Settings:
+    """Settings of soft actor-critic through Stable-Baselines3, by the names and with the defaults
+    of `SACSettings`, as far as that library has them."""
+
+    simulations: Count = 16
+    """Simulations of the body that are stepped together."""
+    steps_per_round: Count = 128
+    """Control steps, over all simulations, between two bouts of learning."""
+    updates_per_round: Count = 4
+    """Gradient steps in one bout of learning."""
+    warm_up_steps: Count = 10_000
+    """Control steps with uniformly random actions before learning starts."""
+    replay_size: Count = 2_000_000
+    """Transitions that are remembered; the oldest are overwritten."""
+    batch_size: Count = 1024
+    """Transitions in one gradient step."""
+    hidden: tuple[Count, ...] = (512, 512)
+    """Units of each hidden layer, of the policy and of each critic."""
+    critics: Count = 2
+    """Critics, the smallest of which is believed."""
+    rate: Positive = 3e-4
+    """Adam's learning rate, for policy, critics and the weight of the entropy."""
+    discount: Fraction | None = 0.99
+    """What a reward one control step later is worth; `None` for what the task says."""
+    episode_seconds: Positive | None = None
+    """Episodes of training are cut off after this time, in simulated seconds; `None` for the task's
+    own length."""
+    target_rate: Share = 0.005
+    """How far the critics that give values follow those that learn, in one gradient step."""
+    initial_entropy_weight: Positive = 1.0
+    """Weight of the policy's entropy at the start; it is learnt from there."""
+    target_entropy: float | None = None
+    """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,16 +168,29 @@ class Algorithm:
     """One way to train: its settings class, and where its trainer is found when it is needed.
 
     Attributes:
-        settings: frozen dataclass, all fields with defaults, one of them `simulations`.
+        settings: frozen dataclass, all fields with defaults, two of them `simulations` and
+            `episode_seconds` (`CrossQSettings` says what they are).
         trainer: `module:Class`, called with an instance of `settings`.
+        needs: packages that RoboMoRe comes without, by the names they are imported by.
+        remedy: what to do where one of them is missing.
     """
 
     settings: type[Any]
     trainer: str
+    needs: tuple[str, ...] = ()
+    remedy: str = ""
 
 
 TRAINERS: dict[str, Algorithm] = {
     "crossq": Algorithm(CrossQSettings, "robomore.training.crossq:CrossQ"),
+    "sac": Algorithm(SACSettings, "robomore.training.sac:SAC"),
+    "sb3": Algorithm(
+        SB3Settings,
+        "robomore.training.sb3:SB3",
+        needs=("stable_baselines3", "torch"),
+        remedy='pip install "robomore[sb3]"; it brings PyTorch, and where the small build for '
+        "processors alone is wanted, install that one first",
+    ),
 }
 """Algorithms by name. Others are found as entry points of the group `robomore.trainers`, each an
 `Algorithm`."""
@@ -114,12 +218,29 @@ def settings_from(trainer: TrainerSettings) -> Any:
         raise InputError(f"trainer {trainer.name}: {error}") from None
 
 
+def ensure_trainer(trainer: TrainerSettings) -> None:
+    """Refuse, before anything is started, what `make_trainer` would refuse. Loads no library.
+
+    Raises:
+        InputError: see `settings_from`; or a package that the algorithm needs is not installed.
+    """
+    settings_from(trainer)
+    algorithm = _algorithm(trainer.name)
+    missing = [name for name in algorithm.needs if importlib.util.find_spec(name) is None]
+    if missing:
+        raise InputError(
+            f"trainer {trainer.name} needs {' and '.join(missing)}, which is not installed here: "
+            f"{algorithm.remedy}"
+        )
+
+
 def make_trainer(trainer: TrainerSettings) -> Trainer:
     """Return the trainer that `trainer` describes; its libraries are loaded only now.
 
     Raises:
-        InputError: see `settings_from`.
+        InputError: see `ensure_trainer`.
     """
+    ensure_trainer(trainer)
     settings = settings_from(trainer)
     module, _, name = _algorithm(trainer.name).trainer.partition(":")
     made: Trainer = getattr(importlib.import_module(module), name)(settings)

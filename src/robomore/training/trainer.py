@@ -22,6 +22,8 @@ class VectorEnvironment(Protocol):
     n: int
     observation_size: int
     action_size: int
+    discount: float
+    """What a reward one control step later is worth, as the task sees it."""
 
     def reset(self, seed: int) -> NDArray[np.float64]:
         """Start all episodes anew; returns observations (n, observation_size)."""
@@ -67,7 +69,7 @@ class Trainer(Protocol):
         seed: int,
         checkpoint: Path | None = None,
         progress: Progress | None = None,
-    ) -> MLPPolicy:
+    ) -> list[MLPPolicy]:
         """Train until `steps` control steps (over all simulations) are done.
 
         Args:
@@ -77,5 +79,9 @@ class Trainer(Protocol):
             checkpoint: folder to continue from where it holds one of at most `steps`, and to
                 leave the new one in; `None` to keep none.
             progress: told the steps done, some times a second at most.
+
+        Returns:
+            The policy at the end of training, and before it some from shortly before, oldest
+            first: whoever measures may choose.
         """
         ...
