@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from robomore.training import loop, networks
 from robomore.training.compilation import use_cache
 from robomore.training.gaussian import sample
+from robomore.training.minibatch import Minibatch, observation_size, take_apart
 from robomore.training.networks import Folded, Layer, Moments, Sizes
 from robomore.training.optimiser import Adam, adam_step, initial_adam
 from robomore.training.policy import MLPPolicy
@@ -50,17 +51,6 @@ class Learner(NamedTuple):
 
     policy: Policy
     critics: Critics
-
-
-class Minibatch(NamedTuple):
-    """Rows of the replay memory, taken apart; each (batch, …)."""
-
-    observation: jax.Array
-    action: jax.Array
-    next_observation: jax.Array
-    reward: jax.Array
-    future: jax.Array
-    """What a value after the row is worth at its start."""
 
 
 class CrossQ:
@@ -151,7 +141,7 @@ def _round(
 ) -> tuple[Learner, Folded, dict[str, jax.Array]]:
     """Return the learner after a round, its folded policy, and losses averaged over the round."""
     actions = noise.shape[-1]
-    sizes = _Sizes(settings, (rows.shape[-1] - actions - 2) // 2, actions)
+    sizes = _Sizes(settings, observation_size(rows, actions), actions)
     step = partial(_gradient_step, settings, sizes, renormalise)
     learner, losses = jax.lax.scan(step, learner, (rows, noise, numbers))
     return learner, _fold_policy(learner.policy, sizes), jax.tree.map(jnp.mean, losses)
@@ -166,7 +156,7 @@ def _gradient_step(
 ) -> tuple[Learner, dict[str, jax.Array]]:
     """One step of the critics and, at every `policy_delay`-th, of policy and entropy weight."""
     rows, (next_noise, noise), number = given
-    batch = _take_apart(rows, noise.shape[-1])
+    batch = take_apart(rows, noise.shape[-1])
     critics, loss = _learn_critics(settings, sizes, renormalise, learner, batch, next_noise)
 
     def learn_policy(policy: Policy) -> Policy:
@@ -283,11 +273,3 @@ def _for_each_critic(settings: CrossQSettings, inputs: jax.Array) -> jax.Array:
 
 def _track(settings: CrossQSettings, moments: jax.Array, seen: jax.Array) -> jax.Array:
     return settings.norm_momentum * moments + (1 - settings.norm_momentum) * seen
-
-
-def _take_apart(rows: jax.Array, actions: int) -> Minibatch:
-    """Return the columns of `rows` (batch, width) in the order of `Replay`."""
-    observations = (rows.shape[1] - actions - 2) // 2
-    edges = np.cumsum([observations, actions, observations])
-    observation, action, next_observation, rest = jnp.split(rows, edges, axis=1)
-    return Minibatch(observation, action, next_observation, rest[:, 0], rest[:, 1])

@@ -19,20 +19,18 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.errors import InputError, TrainingDiverged
+from robomore.errors import TrainingDiverged
 from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from robomore.training.gaussian import explore
 from robomore.training.policy import MLPPolicy
 from robomore.training.replay import Replay
-from robomore.training.trainer import Progress, VectorEnvironment
+from robomore.training.trainer import PROGRESS_SECONDS, Progress, VectorEnvironment, whole_rounds
 
 log = logging.getLogger(__name__)
 
 Layers = list[tuple[NDArray[np.float32], NDArray[np.float32]]]
 """Weight and bias of each layer of a stochastic policy, normalisation folded in. The last layer
 gives the Gaussian's mean and the logarithm of its deviation."""
-
-PROGRESS_SECONDS = 0.3
 
 SNAPSHOT_GROWTH = 1.1
 """A policy is put aside each time that the steps have grown by this factor, which is a schedule
@@ -101,13 +99,7 @@ def train(
         InputError: fewer steps than one round, or a round that the simulations do not divide.
         TrainingDiverged: a weight or a loss is no longer a finite number.
     """
-    rounds = steps // settings.steps_per_round
-    if rounds < 1 or settings.steps_per_round % environment.n:
-        raise InputError(
-            f"{steps} steps with {environment.n} simulations: a round is "
-            f"{settings.steps_per_round} steps, at least one is needed, and the number of "
-            "simulations has to divide it"
-        )
+    rounds = whole_rounds(settings, environment, steps)
     run = Run(learning, settings, environment, seed)
     if checkpoint is None or not run.restore(checkpoint, rounds):
         run.observation = environment.reset(seed)

@@ -69,12 +69,12 @@ def initial_moments(sizes: Sizes) -> NDArray[np.float32]:
 def layers(parameters: jax.Array, sizes: Sizes) -> list[Layer]:
     """Return the layers of a flat network."""
     shapes = [((i,), (i,), (i, o), (o,)) for i, o in pairwise(sizes)]
-    return [Layer(*parts) for parts in _unflatten(parameters, shapes)]
+    return [Layer(*parts) for parts in unflatten(parameters, shapes)]
 
 
 def moments(statistics: jax.Array, sizes: Sizes) -> list[Moments]:
     """Return the moments of each layer's inputs."""
-    return [Moments(*parts) for parts in _unflatten(statistics, [((i,), (i,)) for i in sizes[:-1]])]
+    return [Moments(*parts) for parts in unflatten(statistics, [((i,), (i,)) for i in sizes[:-1]])]
 
 
 def flatten(tree: Any) -> jax.Array:
@@ -179,7 +179,8 @@ def _backward(
 _in_training.defvjp(_forward, _backward)
 
 
-def _unflatten(flat: jax.Array, shapes: Sequence[Sequence[tuple[int, ...]]]) -> list[Any]:
+def unflatten(flat: jax.Array, shapes: Sequence[Sequence[tuple[int, ...]]]) -> list[Any]:
+    """Return groups of arrays of the given shapes, as they lie one after the other in `flat`."""
     groups, start = [], 0
     for group in shapes:
         parts = []

@@ -9,11 +9,15 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.errors import InputError
 from robomore.tasks.transition import Transition as Transition
 from robomore.training.policy import MLPPolicy
 
 Progress = Callable[[int], None]
 """Called now and then with the control steps done so far."""
+
+PROGRESS_SECONDS = 0.3
+"""Time between two such calls."""
 
 
 class VectorEnvironment(Protocol):
@@ -85,3 +89,24 @@ class Trainer(Protocol):
             first: whoever measures may choose.
         """
         ...
+
+
+def whole_rounds(settings: Any, environment: VectorEnvironment, steps: int) -> int:
+    """Return how many rounds of acting and learning fit into `steps` control steps.
+
+    Args:
+        settings: of an algorithm that learns every `steps_per_round` control steps.
+        environment: simulations that those are spread over.
+        steps: the budget.
+
+    Raises:
+        InputError: fewer steps than one round, or a round that the simulations do not divide.
+    """
+    rounds: int = steps // settings.steps_per_round
+    if rounds < 1 or settings.steps_per_round % environment.n:
+        raise InputError(
+            f"{steps} steps with {environment.n} simulations: a round is "
+            f"{settings.steps_per_round} steps, at least one is needed, and the number of "
+            "simulations has to divide it"
+        )
+    return rounds
