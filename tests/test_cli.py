@@ -177,13 +177,17 @@ def test_run_passes_on_what_was_asked_and_prints_the_outcome(
 
     monkeypatch.setattr(robomore.experiment, "run", run)
     options = ["--preset", "smoke", "--seed", "5", "--workers", "3", "--steps", "900"]
+    options += ["--trainer", "sac", "--trainer-option", "rate=1e-3"]
+    options += ["--trainer-option", "hidden=[64,32]"]
     said = robomore_("run", "swimmer", *options, "--objective", "fitness", "--quiet")
     assert said.status == 0, said.err
     assert said.err == ""
     assert (asked["task"], asked["seed"], asked["workers"]) == ("swimmer", 5, 3)
     assert asked["settings"].candidate.steps == 900
     assert asked["settings"].search.objective == "fitness"
-    assert asked["out"] == Path("runs/swimmer-smoke-steps900-objectivefitness-offline-s5")
+    assert asked["settings"].trainer == TrainerSettings("sac", {"rate": 1e-3, "hidden": [64, 32]})
+    name = "smoke-steps900-objectivefitness-trainersac-rate0.001-hidden_64_32"
+    assert asked["out"] == Path(f"runs/swimmer-{name}-offline-s5")
     assert "times the human design's efficiency" in said.out
     assert str(asked["out"] / "report.html") in said.out
     assert f"robomore play {asked['out']}" in said.out
@@ -267,6 +271,11 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         ("run swimmer --workers 0", "--workers is 0"),
         ("run swimmer --final-steps 0", "--final-steps is 0"),
         ("run swimmer --objective speed", "efficiency"),
+        ("run swimmer --trainer ppo", "choose one of crossq, sac, sb3"),
+        ("run swimmer --trainer-option hidden", "batch_size=512, for example"),
+        ("run swimmer --trainer sac --trainer-option hiden=[8]", "no option 'hiden'; it takes"),
+        ("run swimmer --trainer-option batch_size=many", "batch_size"),
+        ("run swimmer --preset smoke --trainer sac", "learns nothing in 2048 steps"),
         ("run swimmer --preset smoke --out BEHINDFILE", "--out"),
         ("run ant --preset smoke --out FINISHED", "'swimmer' there and 'ant' here"),
         ("inspect swimmer --parameters SHORT", "2 parameters given, it takes 6"),
@@ -281,6 +290,9 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         ("evaluate swimmer --reward BADREWARD", "line 1: does not parse"),
         ("evaluate swimmer --reward EMPTY", "cannot be read"),
         ("evaluate swimmer --steps 0", "--steps is 0"),
+        ("evaluate swimmer --trainer ppo", "choose one of crossq, sac, sb3"),
+        ("evaluate swimmer --trainer-option batch_size=0", "batch_size"),
+        ("evaluate swimmer --steps 300", "learns nothing in 300 steps"),
         ("evaluate swimmer --out FINISHED", "is not empty"),
         ("evaluate swimmer --out BEHINDFILE", "cannot write to"),
         ("show EMPTY", "not a run folder"),

@@ -35,6 +35,7 @@ from robomore.settings import RunSettings, preset
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder, package_versions
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
+from robomore.training.settings import ensure_trainer, packages_for
 from robomore.types import Design, Evaluation, Job, Limits, Morphology, Reward
 
 log = logging.getLogger(__name__)
@@ -92,12 +93,14 @@ def run(
     name = name or (settings if isinstance(settings, str) else "custom")
     workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
+    ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     objective = settings.search.objective
     mode = _containment(containment, ours=designer in _OURS)
     chosen = _chosen(designer, task, seed, objective, mode)
     manifest = Manifest(
         *(task.id, task.version, name, chosen.name, chosen.provenance, seed, settings),
         designer_settings=chosen.settings,
+        versions=package_versions(*packages_for(settings.trainer)),
     )
     out = Path(out) if out else Path("runs") / f"{task.id}-{name}-{chosen.name}-s{seed}"
 
@@ -179,6 +182,7 @@ def evaluate(
     """
     task = get_task(task) if isinstance(task, str) else task
     settings = preset(settings) if isinstance(settings, str) else settings
+    ensure_trainer(settings.trainer, settings.candidate.steps if steps is None else steps)
     mode = _containment(containment, ours=reward is None)
     if artifact is not None and artifact.exists() and any(artifact.iterdir()):
         raise InputError(f"{artifact} is not empty; name a new folder for the policy")
@@ -195,7 +199,7 @@ def evaluate(
     with TemporaryDirectory(prefix="robomore-") as scratch:
         request = Request(
             job=job,
-            key=job_key(job, package_versions()),
+            key=job_key(job, package_versions(*packages_for(settings.trainer))),
             scratch=str(Path(scratch) / "scratch"),
             artifact=str(artifact or ""),
             checkpoint=str(checkpoint or ""),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 from robomore.errors import InputError
 from robomore.types import TrainerSettings
@@ -105,6 +105,28 @@ PRESETS: dict[str, Callable[[], RunSettings]] = {
     "standard": standard,
     "paper": paper,
 }
+
+
+def with_trainer(
+    settings: RunSettings,
+    name: str | None = None,
+    options: Mapping[str, Any] = {},
+) -> RunSettings:
+    """Return `settings` with another trainer, or with other options for the one they have.
+
+    Options belong to an algorithm: another one than that of `settings` starts from its own
+    defaults, and what `settings` say of the old one is dropped.
+
+    Args:
+        settings: a preset, say.
+        name: of an algorithm (`robomore.training.settings`); `None` for that of `settings`.
+        options: fields of the algorithm's settings by name.
+    """
+    trainer = settings.trainer
+    if name is not None and name != trainer.name:
+        trainer = TrainerSettings(name)
+    trainer = replace(trainer, options={**trainer.options, **options})
+    return replace(settings, trainer=trainer)
 
 
 def preset(name: str) -> RunSettings:

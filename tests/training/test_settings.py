@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import asdict
 from typing import Any
 
 import pytest
 
 from robomore.errors import InputError
 from robomore.training import settings
-from robomore.training.settings import CrossQSettings, settings_from
+from robomore.training.settings import (
+    CrossQSettings,
+    SACSettings,
+    SB3Settings,
+    ensure_trainer,
+    settings_from,
+)
 from robomore.types import TrainerSettings
 
 
@@ -45,6 +52,30 @@ def test_what_makes_no_sense_is_refused(options: dict[str, Any], said: str) -> N
 def test_an_unknown_trainer_is_refused_with_the_known_ones() -> None:
     with pytest.raises(InputError, match=r"'sarsa'.*crossq"):
         settings_from(TrainerSettings("sarsa"))
+
+
+@pytest.mark.parametrize("steps", [1, 10_000])
+def test_a_training_that_would_learn_nothing_is_refused(steps: int) -> None:
+    with pytest.raises(InputError, match="first 10000 are random"):
+        ensure_trainer(TrainerSettings("sac"), steps)
+    ensure_trainer(TrainerSettings("sac"), 10_128)
+    ensure_trainer(TrainerSettings("sac"))
+
+
+def test_a_missing_package_is_named_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    needing = settings.Algorithm(
+        CrossQSettings, "robomore.training.crossq:CrossQ", ("json", "no_such_package"), "buy one"
+    )
+    monkeypatch.setitem(settings.TRAINERS, "needing", needing)
+    with pytest.raises(InputError, match=r"needs no_such_package, .* buy one"):
+        ensure_trainer(TrainerSettings("needing"))
+    with pytest.raises(InputError, match="buy one"):
+        settings.make_trainer(TrainerSettings("needing"))
+
+
+def test_both_ways_to_the_paper_have_the_same_settings() -> None:
+    ours, theirs = asdict(SACSettings()), asdict(SB3Settings())
+    assert theirs == {name: ours[name] for name in theirs}
 
 
 def test_a_third_party_can_add_a_trainer(monkeypatch: pytest.MonkeyPatch) -> None:

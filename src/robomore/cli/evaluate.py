@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import msgspec
 from cyclopts import Parameter
 
-from robomore.cli.inputs import new_folder, positive, read_parameters, read_reward
+from robomore.cli.inputs import new_folder, positive, read_options, read_parameters, read_reward
 from robomore.cli.output import console, write_json
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ def evaluate(
     reward: str = "reference",
     preset: str = "quick",
     steps: int | None = None,
+    trainer: str | None = None,
+    trainer_option: Annotated[list[str] | None, Parameter(negative="")] = None,
     seed: int = 0,
     out: Path | None = None,
     containment: Literal["strict", "relaxed"] | None = None,
@@ -45,6 +47,12 @@ def evaluate(
         Whose trainer and budget are used: `smoke`, `quick`, `standard` or `paper`.
     steps
         Control steps of training, instead of the preset's.
+    trainer
+        What trains the policy, with its own defaults: `crossq` (the presets'), `sac` (the paper's
+        algorithm and settings), `sb3` (the same through Stable-Baselines3; the extra `sb3`).
+    trainer_option
+        One setting of the trainer, as NAME=VALUE: `batch_size=512`, `hidden=[256,256]`. May be
+        given several times.
     seed
         Of training and measuring.
     out
@@ -55,10 +63,11 @@ def evaluate(
         Print the evaluation as JSON.
     """
     from robomore.settings import preset as settings_of
+    from robomore.settings import with_trainer
     from robomore.tasks import get_task
 
     positive(steps=steps)
-    settings = settings_of(preset)
+    settings = with_trainer(settings_of(preset), trainer, read_options(trainer_option or []))
     chosen = get_task(task)
     values = read_parameters(chosen, parameters)
     source = read_reward(chosen, reward)

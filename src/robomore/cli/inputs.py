@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from robomore.errors import InputError, InvalidReward
 from robomore.tasks import Task
@@ -71,6 +73,26 @@ def read_reward(task: Task, given: str) -> str:
     except (ValueError, RecursionError, MemoryError) as error:
         raise InvalidReward(f"{given} does not parse: {error}; correct the file") from None
     return source
+
+
+def read_options(given: Sequence[str]) -> dict[str, Any]:
+    """Return `name=value` pairs by name: values are JSON, and text where they are not.
+
+    Raises:
+        InputError: one of them is no such pair.
+    """
+    options: dict[str, Any] = {}
+    for pair in given:
+        name, equals, value = pair.partition("=")
+        if not (name and equals):
+            raise InputError(
+                f"--trainer-option {pair!r} is no NAME=VALUE; write batch_size=512, for example"
+            )
+        try:
+            options[name] = json.loads(value)
+        except ValueError:
+            options[name] = value
+    return options
 
 
 def read_text(path: Path, remedy: str) -> str:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from robomore.cli.inputs import positive
+from robomore.cli.inputs import positive, read_options
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen, forecast
 from robomore.cli.output import write_json
 
@@ -30,6 +30,8 @@ def run(
     repeats: int | None = None,
     steps: int | None = None,
     final_steps: int | None = None,
+    trainer: str | None = None,
+    trainer_option: Annotated[list[str] | None, Parameter(negative="")] = None,
     containment: Literal["strict", "relaxed"] | None = None,
     quiet: Annotated[bool, Parameter(negative="")] = False,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
@@ -71,6 +73,12 @@ def run(
         Control steps of training for each candidate.
     final_steps
         Control steps of each training in the final; by default in proportion to `--steps`.
+    trainer
+        What trains the policies, with its own defaults: `crossq` (the presets'), `sac` (the paper's
+        algorithm and settings), `sb3` (the same through Stable-Baselines3; the extra `sb3`).
+    trainer_option
+        One setting of the trainer, as NAME=VALUE: `batch_size=512`, `hidden=[256,256]`. May be
+        given several times.
     containment
         `relaxed` trains without the operating system's protection where a machine lacks it.
     quiet
@@ -95,6 +103,10 @@ def run(
     options: dict[str, Any] = {name: size for name, size in sizes.items() if size is not None}
     if objective is not None:
         options["objective"] = objective
+    if trainer is not None:
+        options["trainer"] = trainer
+    if trainer_option:
+        options["trainer-option"] = read_options(trainer_option)
     settings = overridden(settings_of(preset), options)
     name = settings_name(preset, options)
     wanted = get_task(task)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import re
 import shlex
 from dataclasses import replace
 from typing import Any
 
 from robomore.designers.llm import LLMSettings
-from robomore.settings import PRESETS, RunSettings
+from robomore.settings import PRESETS, RunSettings, with_trainer
 from robomore.store import Manifest
 
 OVERRIDES = {
@@ -20,11 +22,12 @@ OVERRIDES = {
     "steps": ("candidate", "steps"),
     "final-steps": ("final", "steps"),
 }
-"""Option of `robomore run` -> where it stands in the settings."""
+"""Option of `robomore run` -> where it stands in the settings. Besides these there are `trainer`,
+the name of an algorithm, and `trainer-option`, fields of its settings by name."""
 
 
 def overridden(settings: RunSettings, options: dict[str, Any]) -> RunSettings:
-    """Return `settings` with the given options of `OVERRIDES` in place of the preset's.
+    """Return `settings` with the given options (see `OVERRIDES`) in place of the preset's.
 
     Where `steps` is given and `final-steps` is not, the final trainings stay longer than the
     candidates' by the same factor.
@@ -32,7 +35,10 @@ def overridden(settings: RunSettings, options: dict[str, Any]) -> RunSettings:
     if "steps" in options and "final-steps" not in options:
         factor = settings.final.steps / settings.candidate.steps
         options = {**options, "final-steps": round(options["steps"] * factor)}
+    settings = with_trainer(settings, options.get("trainer"), options.get("trainer-option", {}))
     for option, value in options.items():
+        if option not in OVERRIDES:
+            continue
         part, name = OVERRIDES[option]
         settings = replace(settings, **{part: replace(getattr(settings, part), **{name: value})})
     return settings
@@ -40,7 +46,10 @@ def overridden(settings: RunSettings, options: dict[str, Any]) -> RunSettings:
 
 def settings_name(preset: str, options: dict[str, Any]) -> str:
     """Return a name for a preset with options, fit for a folder: `quick-steps5000`."""
-    return "-".join([preset, *(f"{option}{value}" for option, value in options.items())])
+    plain = {option: value for option, value in options.items() if option != "trainer-option"}
+    plain |= options.get("trainer-option", {})
+    words = [f"{option}{value}" for option, value in plain.items()]
+    return "-".join([preset, *(re.sub(r"[^\w.+-]+", "_", word).strip("_") for word in words)])
 
 
 def command_line(manifest: Manifest) -> str | None:
@@ -59,6 +68,7 @@ def command_line(manifest: Manifest) -> str | None:
         so_far = overridden(PRESETS[preset](), options)
         if getattr(getattr(so_far, part), name) != wanted:
             options[option] = wanted
+    options |= _trainer_options(PRESETS[preset](), manifest.settings)
     if overridden(PRESETS[preset](), options) != manifest.settings:
         return None
     model = _model_options(manifest)
@@ -66,9 +76,25 @@ def command_line(manifest: Manifest) -> str | None:
         return None
     words = ["robomore", "run", manifest.task, "--preset", preset, "--designer", manifest.designer]
     words += [*model, "--seed", str(manifest.seed)]
+    chosen = options.pop("trainer-option", {})
     for option, value in options.items():
         words += [f"--{option}", str(value)]
+    for name, value in chosen.items():
+        words += ["--trainer-option", f"{name}={json.dumps(value)}"]
     return shlex.join(words)
+
+
+def _trainer_options(plain: RunSettings, wanted: RunSettings) -> dict[str, Any]:
+    """Return the options that make the trainer of `wanted` of that of `plain`."""
+    options: dict[str, Any] = {}
+    name = wanted.trainer.name
+    if name != plain.trainer.name:
+        options["trainer"] = name
+    usual = with_trainer(plain, name).trainer.options
+    found = wanted.trainer.options.items()
+    if changed := {key: value for key, value in found if key not in usual or usual[key] != value}:
+        options["trainer-option"] = changed
+    return options
 
 
 def _model_options(manifest: Manifest) -> list[str] | None:

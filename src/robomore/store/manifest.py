@@ -19,10 +19,14 @@ FORMAT = 1
 _RELEVANT = ("robomore", "mujoco", "gymnasium", "jax", "jaxlib", "numpy")
 
 
-def package_versions() -> dict[str, str]:
-    """Return the versions that can change an evaluation's numbers."""
+def package_versions(*more: str) -> dict[str, str]:
+    """Return the versions that can change an evaluation's numbers.
+
+    Args:
+        more: packages that matter besides those that always do.
+    """
     versions = {"python": ".".join(platform.python_version_tuple()[:2])}
-    for package in _RELEVANT:
+    for package in (*_RELEVANT, *more):
         try:
             versions[package] = version(package)
         except PackageNotFoundError:

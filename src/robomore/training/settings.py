@@ -171,7 +171,8 @@ class Algorithm:
         settings: frozen dataclass, all fields with defaults, two of them `simulations` and
             `episode_seconds` (`CrossQSettings` says what they are).
         trainer: `module:Class`, called with an instance of `settings`.
-        needs: packages that RoboMoRe comes without, by the names they are imported by.
+        needs: packages that RoboMoRe comes without, by the names they are imported by; their
+            versions are part of a run's identity.
         remedy: what to do where one of them is missing.
     """
 
@@ -218,13 +219,24 @@ def settings_from(trainer: TrainerSettings) -> Any:
         raise InputError(f"trainer {trainer.name}: {error}") from None
 
 
-def ensure_trainer(trainer: TrainerSettings) -> None:
-    """Refuse, before anything is started, what `make_trainer` would refuse. Loads no library.
+def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
+    """Refuse before anything is started what cannot be trained. Loads no library.
+
+    Args:
+        trainer: what is to train.
+        steps: control steps of the shortest training that is meant.
 
     Raises:
-        InputError: see `settings_from`; or a package that the algorithm needs is not installed.
+        InputError: see `settings_from`; a package that the algorithm needs is not installed; or
+            nothing would be learnt in `steps`.
     """
-    settings_from(trainer)
+    warm_up = getattr(settings_from(trainer), "warm_up_steps", 0)
+    if steps is not None and steps <= warm_up:
+        raise InputError(
+            f"trainer {trainer.name} learns nothing in {steps} steps: the first {warm_up} are "
+            "random actions; give it more --steps, or less of those with "
+            "--trainer-option warm_up_steps=NUMBER"
+        )
     algorithm = _algorithm(trainer.name)
     missing = [name for name in algorithm.needs if importlib.util.find_spec(name) is None]
     if missing:
@@ -232,6 +244,15 @@ def ensure_trainer(trainer: TrainerSettings) -> None:
             f"trainer {trainer.name} needs {' and '.join(missing)}, which is not installed here: "
             f"{algorithm.remedy}"
         )
+
+
+def packages_for(trainer: TrainerSettings) -> tuple[str, ...]:
+    """Return the packages that this trainer needs besides those of every other.
+
+    Raises:
+        InputError: unknown algorithm.
+    """
+    return _algorithm(trainer.name).needs
 
 
 def make_trainer(trainer: TrainerSettings) -> Trainer:
