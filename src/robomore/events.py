@@ -78,7 +78,22 @@ class Finished:
     known: bool
 
 
-Event = RunBegan | Proposed | BatchBegan | Started | Progressed | Finished
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """Screening gives no more training to a pair of the grid.
+
+    Attributes:
+        place: of the pair.
+        steps: of training that it had, 0 if it was not tried at all.
+        reason: in words.
+    """
+
+    place: Place
+    steps: int
+    reason: str
+
+
+Event = RunBegan | Proposed | BatchBegan | Started | Progressed | Finished | Cut
 Observer = Callable[[Event], None]
 
 

@@ -130,6 +130,8 @@ def run(
                 recorded,
                 partial(evaluator.measure, budget=settings.candidate),
                 settings.search,
+                human.reward,
+                ledger.noting(observe),
             )
             outcome = final(
                 partial(evaluator.measure, budget=settings.final),

@@ -11,6 +11,29 @@ from robomore.types import TrainerSettings
 
 
 @dataclass(frozen=True, slots=True)
+class Rung:
+    """A stop on the way to a candidate's full training, where the worst are cut."""
+
+    share: float
+    """Of the full steps that everyone still in the race is trained for."""
+    kept: float
+    """Share of the grid's pairs that go on from here; at least one does."""
+
+
+@dataclass(frozen=True, slots=True)
+class Screening:
+    """How training is kept for the pairs of the grid that deserve it (`search/screening.py`)."""
+
+    rungs: tuple[Rung, ...] = (Rung(share=0.2, kept=0.25), Rung(share=0.5, kept=0.1))
+    """Rising shares of training; what is kept at the last one is trained to the end."""
+    hopeless: float = 0.4
+    """Share of the bodies, worst under the reference reward at the first rung, that get fewer
+    rewards tried; 0 treats all alike and saves that look."""
+    rewards_for_hopeless: int = 1
+    """Rewards tried on each of those, the first ones proposed."""
+
+
+@dataclass(frozen=True, slots=True)
 class SearchSettings:
     """Sizes of the search (paper, Table 4) and what it optimises."""
 
@@ -20,6 +43,8 @@ class SearchSettings:
     """Columns of the coarse grid (N_R)."""
     survivors: float = 0.05
     """Share of the grid that the fine stage starts from (k); at least one design."""
+    screening: Screening | None = None
+    """How the grid is thinned out on the way; `None` trains every pair to the end (the paper)."""
     max_cycles: int = 10
     """Bound on the fine stage's cycles. The paper stops only when a cycle improved nothing."""
     objective: Literal["efficiency", "fitness"] = "efficiency"

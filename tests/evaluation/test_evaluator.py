@@ -175,3 +175,33 @@ def test_what_was_finished_before_an_interruption_is_kept(tmp_path: Path) -> Non
     with pytest.raises(KeyboardInterrupt):
         ours.measure([trial(1), trial(2)], BUDGET)
     assert [e.design.morphology.parameters for e in ours.ledger.evaluations()] == [(2.0,)]
+
+
+def test_a_training_goes_on_from_its_checkpoint_until_it_is_dropped(tmp_path: Path) -> None:
+    def trains(request: Request) -> Outcome:
+        if request.checkpoint:
+            Path(request.checkpoint).mkdir(parents=True, exist_ok=True)
+        return good(request)
+
+    executor = Scripted(trains)
+    ours = evaluator(tmp_path, executor)
+    first = ours.measure([trial(1), trial(2), trial(3)], BUDGET, share=0.5)
+    assert [e.job.steps for e in first] == [BUDGET.steps // 2] * 3
+    assert len({request.checkpoint for request in executor.requests}) == 3
+    resting = {r.job.design.morphology.parameters: r.checkpoint for r in executor.requests}
+
+    executor.requests.clear()
+    ours.measure([trial(1), trial(2)], BUDGET, share=0.75)
+    assert all(Path(resting[(x,)]).is_dir() for x in (1.0, 2.0))
+    assert not Path(resting[(3.0,)]).exists()
+    executor.requests.clear()
+    (whole,) = ours.measure([trial(1)], BUDGET)
+    assert whole.job.steps == BUDGET.steps
+    assert [request.checkpoint for request in executor.requests] == [resting[(1.0,)]]
+    assert not any(RunFolder(tmp_path).checkpoints.iterdir())
+
+
+def test_training_in_one_go_keeps_no_checkpoint(tmp_path: Path) -> None:
+    executor = Scripted()
+    evaluator(tmp_path, executor).measure([trial(1)], BUDGET)
+    assert [request.checkpoint for request in executor.requests] == [""]

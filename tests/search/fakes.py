@@ -17,6 +17,8 @@ from robomore.types import (
     Trial,
 )
 
+REFERENCE = Reward("1")
+
 
 class CountingDesigner:
     """Proposes 1, 2, 3, … and improves by steps that a test chooses."""
@@ -56,7 +58,7 @@ class Measuring:
         self.score = score
         self.batches: list[list[Trial]] = []
 
-    def __call__(self, trials: Sequence[Trial]) -> list[Evaluation]:
+    def __call__(self, trials: Sequence[Trial], *, share: float = 1.0) -> list[Evaluation]:
         self.batches.append(list(trials))
         return [self.evaluation_of(trial.design) for trial in trials]
 

@@ -11,7 +11,7 @@ from robomore.search import coarse, final, fine, robomore
 from robomore.search.measure import improves, ranked, top
 from robomore.settings import SearchSettings
 from robomore.types import Design, Morphology, Reward
-from search.fakes import CountingDesigner, Measuring, evaluation, numbers
+from search.fakes import REFERENCE, CountingDesigner, Measuring, evaluation, numbers
 
 
 def design(body: float, reward: float) -> Design:
@@ -53,7 +53,7 @@ def test_a_grid_of_failures_says_why() -> None:
     with pytest.raises(
         NothingTrained, match=r"all 4 candidates failed \(4 reward-failed\).*raised"
     ):
-        robomore(CountingDesigner(), measuring, SearchSettings(morphologies=2, rewards=2))
+        robomore(CountingDesigner(), measuring, SearchSettings(2, 2), REFERENCE)
 
 
 def test_fine_changes_the_body_then_the_reward_and_keeps_what_is_better() -> None:
@@ -97,7 +97,7 @@ def test_a_branch_sees_the_grid_and_its_own_trials_only() -> None:
 def test_max_cycles_bounds_a_search_that_always_improves() -> None:
     measuring = Measuring(lambda body, reward: body + reward)
     settings = SearchSettings(morphologies=2, rewards=2, survivors=0.25, max_cycles=4)
-    best, *_ = robomore(CountingDesigner(), measuring, settings)
+    best, *_ = robomore(CountingDesigner(), measuring, settings, REFERENCE)
     assert numbers(best.design) == (2.0 + 4, 20.0 + 4)
 
 

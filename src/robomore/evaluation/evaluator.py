@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import msgspec
 
 from robomore.evaluation.request import Request
 from robomore.events import BatchBegan, Finished, Observer, Progressed, Started, ignore
 from robomore.executors.executor import Done, Executor, Outcome
-from robomore.identity import content_key, derive_seed, job_key
+from robomore.identity import content_key, derive_seed, job_key, training_key
 from robomore.settings import Budget
 from robomore.store.ledger import Ledger
 from robomore.store.rundir import RunFolder
@@ -50,9 +52,20 @@ class Evaluator:
     containment: str = "strict"
     observe: Observer = field(default=ignore)
 
-    def measure(self, trials: Sequence[Trial], budget: Budget) -> list[Evaluation]:
-        """Return one evaluation for each trial, in order. Trials of equal content share one."""
-        jobs = [self._job(trial, budget) for trial in trials]
+    def measure(
+        self, trials: Sequence[Trial], budget: Budget, share: float = 1.0
+    ) -> list[Evaluation]:
+        """Return one evaluation for each trial, in order. Trials of equal content share one.
+
+        Args:
+            trials: what is to be measured.
+            budget: of each in full.
+            share: of the steps to train for now. What was trained for a share goes on from there
+                when it is asked for more in the next batch, and is dropped when it is not; either
+                way the numbers are those of training in one go.
+        """
+        jobs = [self._job(trial, budget, share) for trial in trials]
+        self._drop_checkpoints(but=jobs)
         keys = [job_key(job, self.versions) for job in jobs]
         known = {key: found for key in keys if (found := self.ledger.evaluation(key))}
         self.observe(BatchBegan(tuple(trial.place for trial in trials), len(known)))
@@ -66,12 +79,15 @@ class Evaluator:
             if key not in known
         }
         for tries_left in reversed(range(_TRIES)):
-            known |= self._do(missing, accept_crashes=not tries_left)
+            known |= self._do(missing, accept_crashes=not tries_left, leave_checkpoints=share < 1)
             missing = {key: job for key, job in missing.items() if key not in known}
         return [known[key] for key in keys]
 
     def _do(
-        self, missing: dict[str, tuple[Job, Place]], accept_crashes: bool
+        self,
+        missing: dict[str, tuple[Job, Place]],
+        accept_crashes: bool,
+        leave_checkpoints: bool,
     ) -> dict[str, Evaluation]:
         """Have `missing` evaluations done and written down; return them by key."""
         keys = list(missing)
@@ -85,7 +101,10 @@ class Evaluator:
             else:
                 self.observe(Progressed(key, steps))
 
-        payloads = [msgspec.json.encode(self._request(key, missing[key][0])) for key in keys]
+        payloads = [
+            msgspec.json.encode(self._request(key, missing[key][0], leave_checkpoints))
+            for key in keys
+        ]
         wall_seconds = max((job.limits.wall_seconds for job, _ in missing.values()), default=0.0)
         timeout = wall_seconds + _GRACE_SECONDS
         # Closed at once on Ctrl-C, so that no worker outlives its run.
@@ -96,29 +115,45 @@ class Evaluator:
                 if evaluation.status is Status.CRASHED and not accept_crashes:
                     continue
                 self.ledger.add_evaluation(evaluation)
+                if not leave_checkpoints:
+                    shutil.rmtree(self._checkpoint(job), ignore_errors=True)
                 done[evaluation.key] = evaluation
                 self.observe(Finished(evaluation, place, known=False))
         return done
 
-    def _request(self, key: str, job: Job) -> Request:
+    def _request(self, key: str, job: Job, leave_checkpoint: bool) -> Request:
+        checkpoint = self._checkpoint(job)
+        continues = leave_checkpoint or checkpoint.exists()
         return Request(
             job=job,
             key=key,
             scratch=str(self.folder.scratch / key),
             artifact=str(self.folder.artifacts / key),
+            checkpoint=str(checkpoint) if continues else "",
             containment=self.containment,
         )
 
-    def _job(self, trial: Trial, budget: Budget) -> Job:
+    def _checkpoint(self, job: Job) -> Path:
+        """Return where a training rests between two shares of its steps."""
+        return self.folder.checkpoints / training_key(job, self.versions)
+
+    def _drop_checkpoints(self, but: Sequence[Job]) -> None:
+        wanted = {self._checkpoint(job) for job in but}
+        for path in self.folder.checkpoints.glob("*"):
+            if path not in wanted:
+                shutil.rmtree(path, ignore_errors=True)
+
+    def _job(self, trial: Trial, budget: Budget, share: float) -> Job:
         parameters, source = trial.design.morphology.parameters, trial.design.reward.source
+        steps = round(share * budget.steps)
         return Job(
             task=self.task,
             design=trial.design,
             trainer=self.trainer,
-            steps=budget.steps,
+            steps=steps,
             episodes=budget.episodes,
             seed=derive_seed(self.seed, content_key(parameters, source), trial.place.repeat),
-            limits=Limits.for_steps(budget.steps),
+            limits=Limits.for_steps(steps),
         )
 
 

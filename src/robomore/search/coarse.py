@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from robomore.designers.designer import Designer
-from robomore.search.measure import Evaluate
+from robomore.search.measure import MeasureGrid
 from robomore.types import Design, Evaluation, Morphology, Place, Reward, Slot, Trial
 
 
 def coarse(
-    designer: Designer, evaluate: Evaluate, morphologies: int, rewards: int
+    designer: Designer, measure: MeasureGrid, morphologies: int, rewards: int
 ) -> list[Evaluation]:
-    """Return the evaluations of all pairs, row by row (paper, Alg. 1, first half).
+    """Return the evaluations of the pairs, row by row (paper, Alg. 1, first half).
 
     Args:
         designer: sees all earlier proposals each time (Diversity Reflection).
-        evaluate: measures a batch.
+        measure: measures the pairs, or those that deserve it.
         morphologies: rows of the grid (N_M).
         rewards: columns of the grid (N_R).
     """
@@ -26,7 +26,7 @@ def coarse(
     for j in range(rewards):
         programs.append(designer.propose_reward(Slot("coarse", "reward", 0, j), programs))
 
-    return evaluate(
+    return measure(
         [
             Trial(Design(body, program), Place(stage="coarse", morphology=i, reward=j))
             for i, body in enumerate(bodies)

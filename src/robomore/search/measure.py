@@ -5,12 +5,23 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from typing import Protocol
 
 from robomore.errors import NothingTrained
 from robomore.types import Evaluation, Trial
 
-Evaluate = Callable[[Sequence[Trial]], list[Evaluation]]
-"""Measures a batch; answers in its order, one each. A bad design gives a failed evaluation."""
+
+class Evaluate(Protocol):
+    """Measures a batch; answers in its order, one each. A bad design gives a failed evaluation."""
+
+    def __call__(self, trials: Sequence[Trial], *, share: float = 1.0) -> list[Evaluation]:
+        """Return evaluations after a share of the full training; asked for more of it later, a
+        training goes on from where it was."""
+        ...
+
+
+MeasureGrid = Callable[[Sequence[Trial]], list[Evaluation]]
+"""Measures the pairs of a grid, in its order, or fewer of them."""
 
 
 def ranked(evaluations: Iterable[Evaluation], objective: str) -> list[Evaluation]:
@@ -19,8 +30,16 @@ def ranked(evaluations: Iterable[Evaluation], objective: str) -> list[Evaluation
     return [evaluation for _, evaluation in sorted(scored, key=lambda pair: -pair[0])]
 
 
-def top(evaluations: Sequence[Evaluation], share: float, objective: str) -> list[Evaluation]:
+def top(
+    evaluations: Sequence[Evaluation], share: float, objective: str, pairs: int = 0
+) -> list[Evaluation]:
     """Return the best `share` of `evaluations`, at least one (paper, Alg. 1: Top(F, k)).
+
+    Args:
+        evaluations: of the same budget.
+        share: to keep.
+        objective: `efficiency` or `fitness`.
+        pairs: what it is a share of, if that is more than `evaluations`.
 
     Raises:
         NothingTrained: all of them failed.
@@ -29,7 +48,7 @@ def top(evaluations: Sequence[Evaluation], share: float, objective: str) -> list
     if not best:
         raise NothingTrained(_why_nothing(evaluations))
     # 5 % of 125 pairs is 6.25: rounding half up keeps the paper's six.
-    return best[: max(1, math.floor(share * len(evaluations) + 0.5))]
+    return best[: max(1, math.floor(share * max(pairs, len(evaluations)) + 0.5))]
 
 
 def improves(new: Evaluation, old: Evaluation, objective: str) -> bool:

@@ -9,6 +9,8 @@ from typing import Any
 
 import msgspec
 
+from robomore.events import Cut, Observer
+from robomore.events import Event as Happening
 from robomore.store.rows import Rows, digest
 from robomore.types import Evaluation, Morphology, Place, Reward, Slot
 
@@ -120,6 +122,24 @@ class Ledger(Rows):
             "INSERT INTO events (kind, body, time) VALUES (?, ?, ?)",
             (kind, msgspec.json.encode(body), time.time()),
         )
+
+    def noting(self, observe: Observer) -> Observer:
+        """Return an observer that passes everything on, and writes down once who was cut."""
+        known = {msgspec.json.encode(event.body) for event in self.events() if event.kind == "cut"}
+
+        def note(event: Happening) -> None:
+            if isinstance(event, Cut):
+                body = msgspec.to_builtins(event)
+                if msgspec.json.encode(body) not in known:
+                    self.add_event("cut", **body)
+            observe(event)
+
+        return note
+
+    def cuts(self) -> list[Cut]:
+        """Return whom screening cut, in the order of the rungs."""
+        found = [msgspec.convert(e.body, Cut) for e in self.events() if e.kind == "cut"]
+        return sorted(found, key=lambda cut: cut.steps)
 
     def events(self) -> list[Event]:
         rows = self._execute("SELECT kind, body, time FROM events ORDER BY seq")

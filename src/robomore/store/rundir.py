@@ -16,6 +16,7 @@ class RunFolder:
     run.json          what was asked for (Manifest)
     ledger.sqlite     proposals, evaluations, exchanges, events
     artifacts/KEY/    policy.npz of an evaluation
+    checkpoints/      trainings that rest between two rungs of screening
     scratch/          what is being trained right now; empty when nothing runs
     champion/         the answer: design.json, reward.py, robot.xml, policy.npz
     report.html       the answer as a page
@@ -29,6 +30,7 @@ class RunFolder:
         self.ledger = path / "ledger.sqlite"
         self.artifacts = path / "artifacts"
         self.scratch = path / "scratch"
+        self.checkpoints = path / "checkpoints"
         self.champion = path / "champion"
         self.report = path / "report.html"
         self._lock = path / "lock"

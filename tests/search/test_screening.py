@@ -1,0 +1,135 @@
+"""Screening on numbers: who is trained how long, who is cut and what is said of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+
+from robomore.errors import InputError, NothingTrained
+from robomore.events import Cut, Event
+from robomore.search import robomore
+from robomore.search.screening import check, finished
+from robomore.settings import Rung, Screening, SearchSettings
+from robomore.types import Design, Evaluation, Morphology, Trial
+from search.fakes import REFERENCE, CountingDesigner, Measuring, evaluation, numbers
+
+STEPS = 1000
+HALVING = Screening(rungs=(Rung(0.1, 0.5), Rung(0.5, 0.25)), hopeless=0.0)
+SETTINGS = SearchSettings(
+    morphologies=4, rewards=2, survivors=0.25, max_cycles=0, screening=HALVING
+)
+
+
+class Partial(Measuring):
+    """Scores grow with the share of training; `early` says by how much they mislead."""
+
+    def __init__(self, early: float = 0.0, broken: tuple[float, float] | None = None) -> None:
+        super().__init__(lambda body, reward: body * reward)
+        self.early, self.broken = early, broken
+        self.shares: list[float] = []
+
+    def __call__(self, trials: Sequence[Trial], *, share: float = 1.0) -> list[Evaluation]:
+        self.batches.append(list(trials))
+        self.shares.append(share)
+        found = []
+        for trial in trials:
+            body, reward = numbers(trial.design)
+            fails = (body, reward) == self.broken
+            score = None if fails else share * body * reward - (1 - share) * self.early * body
+            one = evaluation(trial.design, score)
+            job = replace(one.job, steps=round(share * STEPS))
+            found.append(replace(one, job=job, key=f"{one.key}-{share}"))
+        return found
+
+
+def grid(measuring: Measuring) -> list[list[tuple[float, float]]]:
+    return [[numbers(trial.design) for trial in batch] for batch in measuring.batches]
+
+
+def search(measuring: Measuring, settings: SearchSettings = SETTINGS) -> tuple[list[float], list]:
+    told: list[Event] = []
+    best = robomore(CountingDesigner(), measuring, settings, REFERENCE, told.append)
+    return [e.efficiency or 0.0 for e in best], told
+
+
+def test_the_best_go_on_from_rung_to_rung() -> None:
+    measuring = Partial()
+    best, _ = search(measuring)
+    assert measuring.shares == [0.1, 0.5, 1.0]
+    pairs, half, quarter = grid(measuring)
+    assert pairs == [(b, r) for b in (1, 2, 3, 4) for r in (10, 20)]
+    assert half == [(2, 20), (3, 20), (4, 10), (4, 20)]
+    assert quarter == [(3, 20), (4, 20)]
+    assert best == [80.0, 60.0]
+
+
+def test_what_was_cut_is_never_the_answer() -> None:
+    # After a tenth of the training the worst pairs look best.
+    best, _ = search(Partial(early=10.0))
+    exhaustive, _ = search(Partial(early=10.0), replace(SETTINGS, screening=None))
+    assert exhaustive == [80.0, 60.0]
+    assert best == [40.0, 20.0]
+
+
+def test_it_is_said_who_was_cut_when_and_why() -> None:
+    _, told = search(Partial(broken=(2, 20)))
+    cuts = [event for event in told if isinstance(event, Cut)]
+    assert [(c.place.morphology, c.place.reward, c.steps) for c in cuts] == [
+        *((0, 0, 100), (0, 1, 100), (1, 0, 100), (1, 1, 100)),
+        *((2, 0, 500), (3, 0, 500)),
+    ]
+    assert cuts[0].reason == "efficiency 1 after 100 steps is number 7 of 8, and 4 go on"
+    assert cuts[3].reason == "reward-failed after 100 steps"
+
+
+def test_hopeless_bodies_get_fewer_rewards_tried() -> None:
+    screening = replace(HALVING, hopeless=0.5, rewards_for_hopeless=1)
+    measuring = Partial()
+    best, told = search(measuring, replace(SETTINGS, screening=screening))
+    assert best == [80.0, 60.0]
+    assert measuring.shares == [0.1, 0.1, 0.5, 1.0]
+    first_look, tried, *_ = grid(measuring)
+    assert first_look == [(body, 1.0) for body in (1, 2, 3, 4)]
+    assert tried == [(1, 10), (2, 10), (3, 10), (3, 20), (4, 10), (4, 20)]
+    untried = [event for event in told if isinstance(event, Cut) and event.steps == 0]
+    assert [(c.place.morphology, c.place.reward) for c in untried] == [(0, 1), (1, 1)]
+    assert untried[0].reason == "its body is number 4 of 4 under the reference reward"
+
+
+def test_the_share_of_survivors_is_of_the_whole_grid() -> None:
+    best, _ = search(Partial(), replace(SETTINGS, survivors=0.125))
+    assert best == [80.0]
+
+
+def test_only_what_was_trained_alike_is_compared_and_failures_are_told() -> None:
+    def trained(score: float | None, steps: int) -> Evaluation:
+        one = evaluation(Design(Morphology((1.0,)), REFERENCE), score)
+        return replace(one, job=replace(one.job, steps=steps))
+
+    failed, short, long = trained(None, 10), trained(1.0, 10), trained(1.0, 20)
+    assert finished([]) == []
+    assert finished([failed, short, long]) == [failed, long]
+
+
+def test_a_screened_grid_of_failures_says_why() -> None:
+    measuring = Measuring(lambda body, reward: None)
+    with pytest.raises(NothingTrained, match=r"all 8 candidates failed \(8 reward-failed\)"):
+        search(measuring)
+
+
+@pytest.mark.parametrize(
+    ("screening", "said"),
+    [
+        (Screening(rungs=(Rung(0.0, 0.5),)), r"share has to be in \(0, 1\)"),
+        (Screening(rungs=(Rung(1.0, 0.5),)), r"share has to be in \(0, 1\)"),
+        (Screening(rungs=(Rung(0.5, 0.0),)), r"kept in \(0, 1\]"),
+        (Screening(rungs=(Rung(0.5, 0.5), Rung(0.5, 0.1))), "has to rise"),
+        (Screening(rungs=(Rung(0.2, 0.1), Rung(0.5, 0.5))), "must not"),
+        (Screening(hopeless=1.0), r"hopeless = 1.0 has to be in \[0, 1\)"),
+    ],
+)
+def test_rungs_that_make_no_sense_are_refused(screening: Screening, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        check(screening)
