@@ -52,10 +52,10 @@ $(VENV)/.made:
 	@touch $@
 
 $(VENV)/.run: lock/base.txt pyproject.toml $(VENV)/.made
-	@$(PIP) install --require-hashes --requirement lock/base.txt
+	@$(PIP) install --no-deps --require-hashes --requirement lock/base.txt
 	@$(PIP) install --no-index --no-build-isolation --no-deps --editable .
 	@touch $@
 
 $(VENV)/.dev: lock/dev.txt $(VENV)/.run
-	@$(PIP) install --require-hashes --requirement lock/dev.txt
+	@$(PIP) install --no-deps --require-hashes --requirement lock/dev.txt
 	@touch $@
