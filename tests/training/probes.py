@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.training.settings import CrossQSettings
+from robomore.training.settings import CrossQSettings, SACSettings, SB3Settings
 from robomore.training.trainer import Transition
+from robomore.types import TrainerSettings
 
 SETTINGS = CrossQSettings(
     simulations=4,
@@ -24,6 +26,28 @@ SETTINGS = CrossQSettings(
     # Small enough to be filled and overwritten.
     replay_size=1_000,
     average_share=0.1,
+)
+
+SAC_SETTINGS = SACSettings(
+    simulations=4,
+    steps_per_round=16,
+    updates_per_round=8,
+    warm_up_steps=128,
+    batch_size=64,
+    hidden=(32, 32),
+    discount=0.9,
+    initial_entropy_weight=1e-4,
+    replay_size=1_000,
+    # A probe has to be learnt in a few hundred gradient steps.
+    rate=3e-3,
+    target_rate=0.05,
+    average_share=0.1,
+    snapshots=3,
+)
+
+SB3_SETTINGS = TrainerSettings(
+    "sb3",
+    {name: getattr(SAC_SETTINGS, name) for name in (field.name for field in fields(SB3Settings))},
 )
 
 Ending = tuple[bool, bool]

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from probes import SETTINGS, Probe
+from probes import SAC_SETTINGS, SB3_SETTINGS, SETTINGS, Probe
 
 from robomore.training.checkpoint import INDEX, Checkpoint, load_checkpoint, save_checkpoint
 from robomore.training.crossq import CrossQ
 from robomore.training.policy import MLPPolicy
+from robomore.training.sac import SAC
+from robomore.training.settings import make_trainer
+from robomore.training.trainer import Progress, Trainer
 
 FULL = SETTINGS.replay_size + 160
 
@@ -22,23 +26,50 @@ def reward(elapsed: NDArray[Any], bit: NDArray[Any], action: NDArray[Any]) -> ND
     return elapsed - np.square(action[:, 0] - bit)
 
 
-def train(steps: int, seed: int = 3, checkpoint: Path | None = None) -> list[MLPPolicy]:
-    return CrossQ(SETTINGS).train(Probe(reward, length=5), steps, seed, checkpoint)
+@dataclass(frozen=True)
+class Training:
+    """A trainer on a probe."""
+
+    trainer: Trainer
+    policies: int
+
+    def __call__(
+        self,
+        steps: int,
+        seed: int = 3,
+        checkpoint: Path | None = None,
+        progress: Progress | None = None,
+    ) -> list[MLPPolicy]:
+        return self.trainer.train(Probe(reward, length=5), steps, seed, checkpoint, progress)
+
+
+@pytest.fixture(params=["crossq", "sac", "sb3"])
+def train(request: pytest.FixtureRequest) -> Training:
+    if request.param == "crossq":
+        return Training(CrossQ(SETTINGS), SETTINGS.snapshots)
+    if request.param == "sac":
+        return Training(SAC(SAC_SETTINGS), SAC_SETTINGS.snapshots)
+    pytest.importorskip("stable_baselines3")
+    return Training(make_trainer(SB3_SETTINGS), 1)
 
 
 def same(a: list[MLPPolicy], b: list[MLPPolicy]) -> bool:
-    assert len(a) == len(b) > 1
+    assert len(a) == len(b)
     one, other = ([array for p in c for array in (*p.weights, *p.biases)] for c in (a, b))
     return all(np.array_equal(x, y) for x, y in zip(one, other, strict=True))
 
 
-def test_the_seed_decides_every_bit() -> None:
-    assert same(train(512), train(512))
-    assert not same(train(512), train(512, seed=4))
+def test_the_seed_decides_every_bit(train: Training) -> None:
+    found = train(512)
+    assert len(found) == train.policies
+    assert same(found, train(512))
+    assert not same(found, train(512, seed=4))
 
 
 @pytest.mark.parametrize("first", [64, 320, FULL - 32])
-def test_a_continued_training_is_an_uninterrupted_one(tmp_path: Path, first: int) -> None:
+def test_a_continued_training_is_an_uninterrupted_one(
+    train: Training, tmp_path: Path, first: int
+) -> None:
     train(first, checkpoint=tmp_path / "a")
     continued = train(FULL, checkpoint=tmp_path / "a")
     assert same(continued, train(FULL, checkpoint=tmp_path / "b"))
@@ -51,15 +82,16 @@ def test_a_continued_training_is_an_uninterrupted_one(tmp_path: Path, first: int
         assert all(np.array_equal(left[name], right[name]) for name in left)
 
 
-def test_a_finished_training_is_not_done_again(tmp_path: Path) -> None:
+def test_a_finished_training_is_not_done_again(train: Training, tmp_path: Path) -> None:
     done = train(512, checkpoint=tmp_path)
     told: list[int] = []
-    again = CrossQ(SETTINGS).train(Probe(reward, length=5), 512, 3, tmp_path, told.append)
-    assert same(done, again)
+    assert same(done, train(512, checkpoint=tmp_path, progress=told.append))
     assert told == [512]
 
 
-def test_a_checkpoint_past_the_budget_or_of_another_training_is_not_used(tmp_path: Path) -> None:
+def test_a_checkpoint_past_the_budget_or_of_another_training_is_not_used(
+    train: Training, tmp_path: Path
+) -> None:
     train(512, checkpoint=tmp_path)
     assert same(train(256, checkpoint=tmp_path), train(256))
     assert same(train(512, seed=4, checkpoint=tmp_path), train(512, seed=4))
