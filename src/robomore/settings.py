@@ -33,6 +33,10 @@ class Screening:
     """Rewards tried on each of those, the first ones proposed."""
 
 
+SCREENINGS: dict[str, Screening | None] = {"halving": Screening(), "none": None}
+"""Ways to screen by name."""
+
+
 @dataclass(frozen=True, slots=True)
 class SearchSettings:
     """Sizes of the search (paper, Table 4) and what it optimises."""

@@ -25,6 +25,7 @@ def run(
     objective: Literal["efficiency", "fitness"] | None = None,
     morphologies: int | None = None,
     rewards: int | None = None,
+    screening: Literal["halving", "none"] | None = None,
     cycles: int | None = None,
     finalists: int | None = None,
     repeats: int | None = None,
@@ -63,6 +64,10 @@ def run(
         Rows of the coarse grid.
     rewards
         Columns of the coarse grid.
+    screening
+        `halving` cuts the worst pairs of the grid on the way (and tries fewer rewards on bodies
+        that do badly under the reference reward); `none` trains every pair to the end, as in the
+        paper.
     cycles
         Most cycles of the fine stage.
     finalists
@@ -101,6 +106,8 @@ def run(
     }
     positive(workers=workers, **sizes)
     options: dict[str, Any] = {name: size for name, size in sizes.items() if size is not None}
+    if screening is not None:
+        options["screening"] = screening
     if objective is not None:
         options["objective"] = objective
     if trainer is not None:

@@ -9,13 +9,14 @@ from dataclasses import replace
 from typing import Any
 
 from robomore.designers.llm import LLMSettings
-from robomore.settings import PRESETS, RunSettings, with_trainer
+from robomore.settings import PRESETS, SCREENINGS, RunSettings, with_trainer
 from robomore.store import Manifest
 
 OVERRIDES = {
     "objective": ("search", "objective"),
     "morphologies": ("search", "morphologies"),
     "rewards": ("search", "rewards"),
+    "screening": ("search", "screening"),
     "cycles": ("search", "max_cycles"),
     "finalists": ("search", "finalists"),
     "repeats": ("search", "repeats"),
@@ -40,6 +41,7 @@ def overridden(settings: RunSettings, options: dict[str, Any]) -> RunSettings:
         if option not in OVERRIDES:
             continue
         part, name = OVERRIDES[option]
+        value = SCREENINGS[value] if option == "screening" else value
         settings = replace(settings, **{part: replace(getattr(settings, part), **{name: value})})
     return settings
 
@@ -67,6 +69,10 @@ def command_line(manifest: Manifest) -> str | None:
         wanted = getattr(getattr(manifest.settings, part), name)
         so_far = overridden(PRESETS[preset](), options)
         if getattr(getattr(so_far, part), name) != wanted:
+            if option == "screening":
+                wanted = next((word for word, way in SCREENINGS.items() if way == wanted), None)
+                if wanted is None:
+                    return None
             options[option] = wanted
     options |= _trainer_options(PRESETS[preset](), manifest.settings)
     if overridden(PRESETS[preset](), options) != manifest.settings:

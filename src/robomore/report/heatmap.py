@@ -16,14 +16,19 @@ _CELL_HEIGHT = 26.0
 
 
 def heatmap(summary: Summary) -> str:
-    """Return the grid; a failed cell is crossed out and says why under the pointer."""
+    """Return the grid; a failed cell is crossed out and says why under the pointer.
+
+    What screening cut short is pale, and what it left out says so.
+    """
     search = summary.manifest.settings.search
     objective = summary.objective
     grid = {
         (place.morphology, place.reward): evaluation
-        for place, evaluation in summary.placed
+        for place, evaluation in (*summary.placed, *summary.cut)
         if place.stage == "coarse"
     }
+    full = summary.manifest.settings.candidate.steps
+    untried = {(p.morphology, p.reward): reason for p, reason in summary.untried.items()}
     if not grid:
         return ""
     scores = [score for e in grid.values() if (score := e.score(objective)) is not None]
@@ -42,7 +47,13 @@ def heatmap(summary: Summary) -> str:
             evaluation = grid.get((row, column))
             share = _share(evaluation, objective, low, high)
             x, y = _LEFT + column * cell, _TOP + row * _CELL_HEIGHT
-            parts.append(_cell(evaluation, objective, share, x, y, cell, (row, column)))
+            if (row, column) in untried and evaluation is None:
+                said = f"not tried: {untried[row, column]}"
+                parts.append(element("g", hover(said) + _box(x, y, cell, klass="cell-untried")))
+                continue
+            shown = _cell(evaluation, objective, share, x, y, cell, (row, column))
+            short = evaluation is not None and evaluation.ok and evaluation.job.steps < full
+            parts.append(element("g", shown, klass="cut") if short else shown)
     parts.append(text("morphology", 0, _TOP - 24, klass="note"))
     bottom = _TOP + search.morphologies * _CELL_HEIGHT
     width = _LEFT + search.rewards * cell
@@ -75,7 +86,8 @@ def _cell(
         return element("g", hover(said) + box + mark, klass="failed")
     said = (
         f"{name}: {number(evaluation.efficiency)} {EFFICIENCY_UNIT} = "
-        f"{number(evaluation.fitness)} m / {number(evaluation.volume)} m³. "
+        f"{number(evaluation.fitness)} m / {number(evaluation.volume)} m³ "
+        f"after {evaluation.job.steps:,} steps. "
         f"{evaluation.design.morphology.idea} / {evaluation.design.reward.idea}"
     )
     fill, ink = _colours(share or 0.0)

@@ -60,7 +60,10 @@ class Summary:
         cost: of all evaluations.
         spending: on a language model; nothing where none was asked.
         way: from the best of the grid to the champion.
-        placed: every evaluation in each place it was asked for, in the order of the search.
+        placed: every evaluation in each place it was asked for, in the order of the search; but
+            not those that screening cut short.
+        cut: those, with the fewer steps that they had.
+        untried: pairs of the grid that screening left out altogether, and why.
         failures: by reason, the most frequent first.
         cautions: what to keep in mind before believing the champion.
     """
@@ -78,6 +81,8 @@ class Summary:
     spending: Spending
     way: tuple[Step, ...]
     placed: tuple[tuple[Place, Evaluation], ...]
+    cut: tuple[tuple[Place, Evaluation], ...]
+    untried: dict[Place, str]
     failures: tuple[Failure, ...]
     cautions: tuple[str, ...]
 
@@ -106,10 +111,15 @@ def summarise(path: Path) -> Summary:
     if not folder.ledger.is_file():
         raise RunFolderError(f"{path} has no ledger; start its run again with the same command")
     with closing(Ledger(folder.ledger, read_only=True)) as ledger:
-        placed = in_order(ledger.placed())
+        everything = ledger.evaluations()
+        asked = in_order(ledger.placed())
+        untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
         crowned = [event for event in ledger.events() if event.kind == "finished"]
     with closing(LedgerExchanges(folder.ledger, read_only=True)) as exchanges:
         spending = exchanges.spent()
+    full = manifest.settings.candidate.steps
+    cut = [(p, e) for p, e in asked if p.stage == "coarse" and e.ok and e.job.steps < full]
+    placed = [pair for pair in asked if pair not in cut and pair[0].stage != "screening"]
     objective = manifest.settings.search.objective
     keys = set(crowned[-1].body.get("champion", ())) if crowned else set()
 
@@ -133,12 +143,14 @@ def summarise(path: Path) -> Summary:
         human=human,
         efficiency_ratio=_ratio(champion, human, "efficiency"),
         fitness_ratio=_ratio(champion, human, "fitness"),
-        counts=_counts(placed),
-        cost=_cost(placed),
+        counts=_counts(asked),
+        cost=_cost(everything),
         spending=spending,
         way=way(placed, manifest.settings.search, winner or ()),
         placed=tuple(placed),
-        failures=_failures(placed),
+        cut=tuple(cut),
+        untried=untried,
+        failures=_failures(asked),
         cautions=cautions(manifest, task, champion, human, final=winner is not None, found=best),
     )
 
@@ -157,11 +169,16 @@ def _counts(placed: Sequence[tuple[Place, Evaluation]]) -> dict[Status, int]:
     return dict(Counter(evaluation.status for evaluation in _distinct(placed)).most_common())
 
 
-def _cost(placed: Sequence[tuple[Place, Evaluation]]) -> Cost:
-    evaluations = _distinct(placed)
+def _cost(evaluations: Sequence[Evaluation]) -> Cost:
+    # A training that went on from rung to rung has an evaluation for each, of the same steps.
+    longest: dict[tuple[object, ...], int] = {}
+    for evaluation in evaluations:
+        design = evaluation.design
+        training = (design.morphology.parameters, design.reward.source, evaluation.job.seed)
+        longest[training] = max(evaluation.steps, longest.get(training, 0))
     return Cost(
         evaluations=len(evaluations),
-        steps=sum(evaluation.steps for evaluation in evaluations),
+        steps=sum(longest.values()),
         core_seconds=sum(evaluation.seconds for evaluation in evaluations),
     )
 

@@ -104,6 +104,8 @@ def way(
 
 
 def _rank(place: Place) -> tuple[int, ...]:
+    if place.stage == "screening":
+        return (-1, place.morphology)
     if place.stage == "coarse":
         return (0, place.morphology, place.reward)
     if place.stage == "fine":

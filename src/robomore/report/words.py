@@ -49,6 +49,8 @@ def duration(seconds: float) -> str:
 
 def place_name(place: Place) -> str:
     """Return where in a run something was measured, counted from one."""
+    if place.stage == "screening":
+        return f"screening: morphology {place.morphology + 1} under the reference reward"
     if place.stage == "coarse":
         return f"coarse: morphology {place.morphology + 1} x reward {place.reward + 1}"
     if place.stage == "fine":
