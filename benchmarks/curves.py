@@ -1,0 +1,152 @@
+"""Learning curves: train a body in this process and measure the policy at some steps on the way.
+
+What is measured at a number of steps is what an evaluation with that budget would give: nothing in
+our trainers depends on the budget, so a longer training passes through the shorter ones.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robomore.errors import TrainingDiverged, UnstableSimulation
+from robomore.evaluation.measure import choose, measure
+from robomore.identity import derive_seed
+from robomore.tasks import get_task
+from robomore.tasks.reward_text import reward_function
+from robomore.tasks.simulation import Simulations
+from robomore.tasks.task import Task
+from robomore.training.loop import Run
+from robomore.training.settings import make_trainer, settings_from
+from robomore.training.threads import ONE_THREAD
+from robomore.types import TrainerSettings
+
+HUMAN_FITNESS = {
+    "ant": 12.43,
+    "hopper": 6.86,
+    "half-cheetah": 253.69,
+    "swimmer": 2.01,
+    "walker": 4.78,
+}
+"""The paper's Human row (its Table 2), in m."""
+
+SLIM = 0.4
+"""Radii of the slim bodies, as a share of the human ones."""
+
+EPISODES = 10
+
+
+@dataclass(frozen=True)
+class Course:
+    """A training to be done, measured every `every` control steps."""
+
+    robot: str
+    body: str
+    seed: int
+    trainer: TrainerSettings
+    steps: int
+    every: int
+
+
+@dataclass(frozen=True)
+class Mark:
+    """What a training had come to.
+
+    Attributes:
+        robot, body, seed: whose it is.
+        steps: control steps done.
+        seconds: core-seconds of training, neither compiling nor measuring.
+        fitness: in m, over episodes of their own.
+        longest: mean length of those episodes, in s.
+    """
+
+    robot: str
+    body: str
+    seed: int
+    steps: int
+    seconds: float
+    fitness: float
+    longest: float
+
+
+def parameters(task: Task, body: str) -> tuple[float, ...]:
+    """Return the human body, or a slim one: its radii cut to `SLIM`, as far as bounds go."""
+    if body == "human":
+        return task.human
+    return task.check(
+        [
+            max(p.low, SLIM * p.human) if p.name.endswith("_radius") else p.human
+            for p in task.parameters
+        ]
+    )
+
+
+def follow(course: Course) -> list[Mark]:
+    """Train along `course` and return what was measured."""
+    task = get_task(course.robot)
+    body = parameters(task, course.body)
+    settings = settings_from(course.trainer)
+    trainer: Any = make_trainer(course.trainer)
+    environment = Simulations(
+        task,
+        body,
+        settings.simulations,
+        reward_function(task.reward),
+        episode_seconds=settings.episode_seconds,
+    )
+    trainer.prepare(environment.observation_size, environment.action_size)
+    seed = derive_seed(course.seed, course.robot, course.body)
+    run = Run(trainer, settings, environment, seed)
+    run.observation = environment.reset(seed)
+    marks, seconds = [], 0.0
+    try:
+        while run.steps < course.steps:
+            began = time.process_time()
+            due = (run.steps // course.every + 1) * course.every
+            while run.steps < min(due, course.steps):
+                run.advance()
+            seconds += time.process_time() - began
+            policy = choose(task, body, run.policies(), seed)
+            found = measure(task, body, policy, EPISODES, seed)
+            length = found.behaviour["episode_seconds"]
+            marks.append(
+                Mark(
+                    course.robot,
+                    course.body,
+                    course.seed,
+                    run.steps,
+                    seconds,
+                    found.fitness,
+                    length,
+                )
+            )
+    except (TrainingDiverged, UnstableSimulation) as error:
+        print(f"{course.robot} {course.body} seed {course.seed}: {error}", flush=True)
+    return marks
+
+
+def follow_all(courses: Iterable[Course], workers: int, out: Path | None) -> Iterator[list[Mark]]:
+    """Yield the marks of each course as it ends, in no particular order, and keep them in `out`."""
+    os.environ.update(ONE_THREAD)
+    with multiprocessing.get_context("spawn").Pool(workers, maxtasksperchild=1) as pool:
+        for marks in pool.imap_unordered(follow, courses, chunksize=1):
+            if out is not None:
+                with out.open("a") as file:
+                    file.writelines(json.dumps(asdict(mark)) + "\n" for mark in marks)
+            yield marks
+
+
+def spread(fitness: Iterable[float]) -> float:
+    """Return the coefficient of variation over seeds: sample deviation / mean."""
+    values = np.array(list(fitness))
+    if len(values) < 2 or not values.mean():
+        return float("nan")
+    return float(values.std(ddof=1) / abs(values.mean()))
