@@ -7,6 +7,7 @@ our trainers depends on the budget, so a longer training passes through the shor
 from __future__ import annotations
 
 import json
+import math
 import multiprocessing
 import os
 import time
@@ -46,14 +47,29 @@ EPISODES = 10
 
 @dataclass(frozen=True)
 class Course:
-    """A training to be done, measured every `every` control steps."""
+    """A training to be done.
+
+    Attributes:
+        robot: task whose robot this is.
+        body: name of the body.
+        parameters: of the body, in the task's order.
+        seed: of the training.
+        trainer: with its settings.
+        steps: control steps in all.
+        every: control steps between two measurements.
+        reward: source text; empty for the reference reward.
+        until: fitness in m that ends it early.
+    """
 
     robot: str
     body: str
+    parameters: tuple[float, ...]
     seed: int
     trainer: TrainerSettings
     steps: int
     every: int
+    reward: str = ""
+    until: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -77,8 +93,9 @@ class Mark:
     longest: float
 
 
-def parameters(task: Task, body: str) -> tuple[float, ...]:
+def body_of(robot: str, body: str) -> tuple[float, ...]:
     """Return the human body, or a slim one: its radii cut to `SLIM`, as far as bounds go."""
+    task = get_task(robot)
     if body == "human":
         return task.human
     return task.check(
@@ -89,19 +106,26 @@ def parameters(task: Task, body: str) -> tuple[float, ...]:
     )
 
 
-def follow(course: Course) -> list[Mark]:
-    """Train along `course` and return what was measured."""
-    task = get_task(course.robot)
-    body = parameters(task, course.body)
-    settings = settings_from(course.trainer)
-    trainer: Any = make_trainer(course.trainer)
+def open_trainer(
+    task: Task, parameters: tuple[float, ...], trainer: TrainerSettings, reward: str = ""
+) -> tuple[Any, Simulations]:
+    """Return a trainer and what it trains in: as in an evaluation, but for the containment."""
+    settings = settings_from(trainer)
     environment = Simulations(
         task,
-        body,
+        parameters,
         settings.simulations,
-        reward_function(task.reward),
+        reward_function(reward or task.reward),
         episode_seconds=settings.episode_seconds,
     )
+    return make_trainer(trainer), environment
+
+
+def follow(course: Course) -> list[Mark]:
+    """Train along `course` and return what was measured."""
+    task, body = get_task(course.robot), course.parameters
+    settings = settings_from(course.trainer)
+    trainer, environment = open_trainer(task, body, course.trainer, course.reward)
     trainer.prepare(environment.observation_size, environment.action_size)
     seed = derive_seed(course.seed, course.robot, course.body)
     run = Run(trainer, settings, environment, seed)
@@ -128,6 +152,8 @@ def follow(course: Course) -> list[Mark]:
                     length,
                 )
             )
+            if found.fitness >= course.until:
+                break
     except (TrainingDiverged, UnstableSimulation) as error:
         print(f"{course.robot} {course.body} seed {course.seed}: {error}", flush=True)
     return marks

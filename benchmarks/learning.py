@@ -15,7 +15,7 @@ from collections import defaultdict
 from pathlib import Path
 from statistics import median
 
-from curves import HUMAN_FITNESS, Course, Mark, follow_all, spread
+from curves import HUMAN_FITNESS, Course, Mark, body_of, follow_all, spread
 from robomore.types import TrainerSettings
 
 
@@ -35,7 +35,7 @@ def main() -> None:
     options = {name: json.loads(value) for name, value in (s.split("=", 1) for s in given.set)}
     trainer = TrainerSettings(given.trainer, options)
     courses = [
-        Course(robot, body, seed, trainer, given.steps, given.every)
+        Course(robot, body, body_of(robot, body), seed, trainer, given.steps, given.every)
         for robot in given.robots
         for body in given.bodies
         for seed in range(given.first_seed, given.first_seed + given.seeds)

@@ -72,10 +72,11 @@ def test_a_misspelt_public_name_is_an_attribute_error() -> None:
         robomore.evalute  # noqa: B018
 
 
-def test_the_command_line_answers_as_a_module() -> None:
+def test_the_command_line_answers_as_a_script_and_as_a_module() -> None:
     script = Path(sys.executable).with_name("robomore")
-    done = subprocess.run([script, "--version"], capture_output=True, text=True, timeout=60)
-    assert done.stdout.strip() == robomore.__version__
+    for command in ([script], [sys.executable, "-m", "robomore"]):
+        done = subprocess.run([*command, "--version"], capture_output=True, text=True, timeout=60)
+        assert done.stdout.strip() == robomore.__version__
 
 
 @pytest.mark.parametrize("lock", LOCKS)

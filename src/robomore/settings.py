@@ -87,7 +87,7 @@ def smoke() -> RunSettings:
         search=SearchSettings(
             morphologies=2, rewards=2, survivors=0.25, max_cycles=1, finalists=1, repeats=1
         ),
-        trainer=TrainerSettings("crossq", _SMALL | {"warm_up_steps": 512}),
+        trainer=TrainerSettings("crossq", {"warm_up_steps": 512}),
         candidate=Budget(steps=2_048, episodes=2),
         final=Budget(steps=2_048, episodes=2),
     )
@@ -99,16 +99,16 @@ def quick() -> RunSettings:
         search=SearchSettings(
             morphologies=5, rewards=3, survivors=0.1, max_cycles=2, finalists=1, repeats=2
         ),
-        trainer=TrainerSettings("crossq", _SMALL),
+        trainer=TrainerSettings("crossq"),
         candidate=Budget(steps=30_000, episodes=5),
         final=Budget(steps=30_000, episodes=10),
     )
 
 
 def standard() -> RunSettings:
-    """The paper's 25 x 5 grid with a trainer that needs a minute or two of one core each."""
+    """The paper's 25 x 5 grid, screened, with a trainer that needs about a minute of one core."""
     return RunSettings(
-        search=SearchSettings(finalists=2, repeats=3),
+        search=SearchSettings(screening=Screening(), finalists=2, repeats=3),
         trainer=TrainerSettings("crossq"),
         candidate=Budget(steps=150_000, episodes=10),
         final=Budget(steps=300_000, episodes=20),
@@ -124,9 +124,6 @@ def paper() -> RunSettings:
         final=Budget(steps=1_000_000, episodes=100),
     )
 
-
-_SMALL = {"hidden": [128, 128], "batch_size": 128}
-"""A third of the time for a gradient step, and good enough to tell candidates apart."""
 
 PRESETS: dict[str, Callable[[], RunSettings]] = {
     "smoke": smoke,

@@ -42,7 +42,7 @@ def test_the_command_names_what_differs_from_the_preset(options: dict[str, objec
     ("given", "words"),
     [
         ({"trainer-option": {"batch_size": 64}}, ["--trainer-option", "batch_size=64"]),
-        ({"trainer-option": {"batch_size": 128}}, []),
+        ({"trainer-option": {"batch_size": 64}}, ["--trainer-option", "batch_size=64"]),
         (
             {"trainer": "sac", "trainer-option": {"hidden": [64, 64], "target_entropy": None}},
             [
@@ -64,11 +64,11 @@ def test_a_folder_can_be_named_after_any_option() -> None:
 
 
 def test_another_trainer_starts_from_its_own_defaults() -> None:
-    quick = preset("quick")
-    assert quick.trainer.options
-    assert with_trainer(quick, "sac").trainer == TrainerSettings("sac", {})
-    same = with_trainer(quick, quick.trainer.name, {"rate": 1e-4}).trainer
-    assert same.options == {**quick.trainer.options, "rate": 1e-4}
+    smoke = preset("smoke")
+    assert smoke.trainer.options
+    assert with_trainer(smoke, "sac").trainer == TrainerSettings("sac", {})
+    same = with_trainer(smoke, smoke.trainer.name, {"rate": 1e-4}).trainer
+    assert same.options == {**smoke.trainer.options, "rate": 1e-4}
 
 
 def test_final_trainings_keep_their_proportion() -> None:

@@ -143,7 +143,7 @@ def summarise(path: Path) -> Summary:
         human=human,
         efficiency_ratio=_ratio(champion, human, "efficiency"),
         fitness_ratio=_ratio(champion, human, "fitness"),
-        counts=_counts(asked),
+        counts=_counts(everything),
         cost=_cost(everything),
         spending=spending,
         way=way(placed, manifest.settings.search, winner or ()),
@@ -165,8 +165,8 @@ def _distinct(placed: Iterable[tuple[Place, Evaluation]]) -> list[Evaluation]:
     return list({evaluation.key: evaluation for _, evaluation in placed}.values())
 
 
-def _counts(placed: Sequence[tuple[Place, Evaluation]]) -> dict[Status, int]:
-    return dict(Counter(evaluation.status for evaluation in _distinct(placed)).most_common())
+def _counts(evaluations: Sequence[Evaluation]) -> dict[Status, int]:
+    return dict(Counter(evaluation.status for evaluation in evaluations).most_common())
 
 
 def _cost(evaluations: Sequence[Evaluation]) -> Cost:

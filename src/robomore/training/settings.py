@@ -40,9 +40,9 @@ class CrossQSettings:
     """Control steps with uniformly random actions before learning starts."""
     replay_size: Count = 1_000_000
     """Transitions that are remembered; the oldest are overwritten."""
-    batch_size: Count = 256
+    batch_size: Count = 128
     """Transitions in one gradient step."""
-    hidden: tuple[Count, ...] = (256, 256)
+    hidden: tuple[Count, ...] = (128, 128)
     """Units of each hidden layer, of the policy and of each critic."""
     critics: Count = 2
     """Critics, the smallest of which is believed."""
@@ -74,6 +74,8 @@ class CrossQSettings:
     renorm_after: int = 100_000
     """Gradient steps with plain batch normalisation before the correction of batch
     renormalisation sets in."""
+    noise_octaves: Count = 1
+    """Octaves of pink noise that explore (`robomore.training.pink`); 1 for white noise."""
     average_share: Fraction = 0.1
     """The policy that is returned is an exponential average over about this last share of the
     learning; 0 for the last policy itself."""
@@ -119,6 +121,8 @@ class SACSettings:
     """Weight of the policy's entropy at the start; it is learnt from there."""
     target_entropy: float | None = None
     """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
+    noise_octaves: Count = 1
+    """Octaves of pink noise that explore (`robomore.training.pink`); 1 for white noise."""
     average_share: Fraction = 0.0
     """The policy that is returned is an exponential average over about this last share of the
     learning; 0 for the last policy itself."""

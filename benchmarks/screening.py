@@ -1,0 +1,193 @@
+"""Screening against a grid that was trained to the end: what it finds again, for which steps.
+
+    python benchmarks/screening.py                    # from the recorded numbers, in a second
+    python benchmarks/screening.py --record [--workers 2] [--steps 150000]    # anew, about an hour
+
+Recorded is the grid that the offline designer proposes for one task: 25 bodies and 5 rewards, each
+pair trained to the end and measured at every tenth of the way, and each body under the reference
+reward. The search's own screening then runs on these numbers in the place of training.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from curves import Course, follow_all
+from robomore.designers.registry import make_designer
+from robomore.events import Event
+from robomore.search.coarse import coarse
+from robomore.search.measure import top
+from robomore.search.screening import finished, screened
+from robomore.settings import SCREENINGS, Screening, standard
+from robomore.tasks import get_task
+from robomore.types import Design, Evaluation, Job, Morphology, Place, Reward, Status, Trial
+
+TASK = "half-cheetah"
+RECORD = Path(__file__).parent / "data" / f"grid-{TASK}.csv"
+TENTHS = 10
+REFERENCE = -1
+"""Column of the reference reward in the record."""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--record", action="store_true", help="train the grid anew")
+    parser.add_argument("--steps", type=int, default=standard().candidate.steps)
+    parser.add_argument("--workers", type=int, default=1)
+    given = parser.parse_args()
+    if given.record:
+        record(given.steps, given.workers)
+    rows = [Row.read(row) for row in csv.DictReader(RECORD.open())]
+    report(rows)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measurement of the record.
+
+    Attributes:
+        morphology, reward: place in the grid.
+        tenth: of the way, 10 at its end.
+        fitness: in m; `None` where training failed.
+        volume: in m^3.
+    """
+
+    morphology: int
+    reward: int
+    tenth: int
+    fitness: float | None
+    volume: float
+
+    @classmethod
+    def read(cls, row: dict[str, str]) -> Row:
+        fitness = float(row["fitness"]) if row["fitness"] else None
+        place = int(row["morphology"]), int(row["reward"]), int(row["tenth"])
+        return cls(*place, fitness, float(row["volume"]))
+
+
+def designs() -> list[Trial]:
+    """Return the grid that the offline designer proposes."""
+    asked: list[Trial] = []
+
+    def note(trials: Sequence[Trial]) -> list[Evaluation]:
+        asked.extend(trials)
+        return []
+
+    search = standard().search
+    coarse(
+        make_designer("offline", get_task(TASK), seed=0), note, search.morphologies, search.rewards
+    )
+    return asked
+
+
+def record(steps: int, workers: int) -> None:
+    """Train the grid and write the record."""
+    task, trainer = get_task(TASK), standard().trainer
+    grid = designs()
+    bodies = {trial.place.morphology: trial.design.morphology for trial in grid}
+    wanted = [(t.place.morphology, t.place.reward, t.design.reward.source) for t in grid]
+    wanted += [(number, REFERENCE, "") for number in bodies]
+    courses = [
+        Course(
+            TASK,
+            f"{number} {reward}",
+            bodies[number].parameters,
+            seed=0,
+            trainer=trainer,
+            steps=steps,
+            every=steps // TENTHS,
+            reward=source,
+        )
+        for number, reward, source in wanted
+    ]
+    RECORD.parent.mkdir(exist_ok=True)
+    found: list[tuple[int, int, int, float, float]] = []
+    for count, marks in enumerate(follow_all(courses, workers, None), start=1):
+        for tenth, mark in enumerate(marks, start=1):
+            number, reward = map(int, mark.body.split())
+            volume = task.volume(bodies[number].parameters)
+            found.append((number, reward, tenth, mark.fitness, volume))
+        print(f"\r{count} of {len(courses)} trainings", end="", flush=True)
+        with RECORD.open("w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["morphology", "reward", "tenth", "fitness", "volume"])
+            writer.writerows((*row[:3], f"{row[3]:.6g}", f"{row[4]:.6g}") for row in sorted(found))
+    print()
+
+
+def report(rows: Sequence[Row]) -> None:
+    """Print what each way of screening finds of the true best, and the steps it takes."""
+    print(f"the best of {TASK}'s grid, found again by screening\n")
+    print(f"{'':<42}{'recall':>8}{'of':>4}{'share of steps':>16}{'best one kept':>15}")
+    halving = SCREENINGS["halving"]
+    assert halving is not None
+    ways: dict[str, Screening] = {
+        "halving (the default)": halving,
+        "halving, all bodies alike": replace(halving, hopeless=0.0),
+        "hopeless bodies only": replace(halving, rungs=()),
+    }
+    for name, way in ways.items():
+        found, true, share = screen(rows, way)
+        kept = "yes" if true[0] in found else "no"
+        recall = len(set(found) & set(true)) / len(true)
+        print(f"{name:<42}{recall:>8.2f}{len(true):>4}{share:>16.3f}{kept:>15}")
+
+
+def screen(rows: Sequence[Row], way: Screening) -> tuple[list[str], list[str], float]:
+    """Return keys of the best that screening finds, keys of the true best, and the share of steps.
+
+    Raises:
+        KeyError: the record lacks a pair.
+    """
+    known = {(row.morphology, row.reward, row.tenth): row for row in rows}
+    trials = [
+        Trial(
+            Design(Morphology((float(number),)), Reward(str(reward))),
+            Place(stage="coarse", morphology=number, reward=reward),
+        )
+        for number, reward in sorted({(row.morphology, row.reward) for row in rows})
+        if reward != REFERENCE
+    ]
+    search = standard().search
+    spent: dict[str, int] = {}
+
+    def evaluate(asked: Sequence[Trial], *, share: float = 1.0) -> list[Evaluation]:
+        tenth = round(share * TENTHS)
+        found = []
+        for trial in asked:
+            number, reward = round(trial.design.morphology.parameters[0]), REFERENCE
+            if trial.place.stage == "coarse":
+                reward = trial.place.reward
+            key = f"{number} {reward}"
+            spent[key] = max(tenth, spent.get(key, 0))
+            found.append(evaluation(key, trial.design, known.get((number, reward, tenth)), tenth))
+        return found
+
+    true = [e.key for e in top(evaluate(trials), search.survivors, search.objective)]
+    spent.clear()
+    observed: list[Event] = []
+    measured = screened(
+        evaluate, trials, way, Reward("reference"), search.objective, observed.append
+    )
+    best = top(finished(measured), search.survivors, search.objective, len(trials))
+    return [e.key for e in best], true, sum(spent.values()) / (TENTHS * len(trials))
+
+
+def evaluation(key: str, design: Design, row: Row | None, tenth: int) -> Evaluation:
+    """Return a record's row as the search would get it."""
+    settings = standard()
+    job = Job(TASK, design, settings.trainer, steps=tenth, episodes=10, seed=0)
+    if row is None or row.fitness is None:
+        return Evaluation(key, job, Status.TRAINING_DIVERGED, "training failed")
+    efficiency = row.fitness / row.volume
+    return Evaluation(
+        key, job, Status.OK, fitness=row.fitness, volume=row.volume, efficiency=efficiency
+    )
+
+
+if __name__ == "__main__":
+    main()
