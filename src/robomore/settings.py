@@ -24,7 +24,7 @@ class Rung:
 class Screening:
     """How training is kept for the pairs of the grid that deserve it (`search/screening.py`)."""
 
-    rungs: tuple[Rung, ...] = (Rung(share=0.2, kept=0.25), Rung(share=0.5, kept=0.1))
+    rungs: tuple[Rung, ...] = (Rung(share=0.2, kept=0.25), Rung(share=0.4, kept=0.1))
     """Rising shares of training; what is kept at the last one is trained to the end."""
     hopeless: float = 0.4
     """Share of the bodies, worst under the reference reward at the first rung, that get fewer
@@ -110,7 +110,7 @@ def standard() -> RunSettings:
     return RunSettings(
         search=SearchSettings(screening=Screening(), finalists=2, repeats=3),
         trainer=TrainerSettings("crossq"),
-        candidate=Budget(steps=150_000, episodes=10),
+        candidate=Budget(steps=100_000, episodes=10),
         final=Budget(steps=300_000, episodes=20),
     )
 

@@ -84,7 +84,11 @@ def test_a_step_of_crossq_is_that_of_sbx(batch: dict[str, NDArray[np.float32]]) 
     acted, *_ = model.update_actor(actor, stepped, entropy, batch["observation"], key)
 
     settings = CrossQSettings(
-        hidden=HIDDEN, batch_size=BATCH, updates_per_round=1, initial_entropy_weight=1e-40
+        hidden=HIDDEN,
+        batch_size=BATCH,
+        updates_per_round=1,
+        initial_entropy_weight=1e-40,
+        pessimism=1.0,
     )
     trainer = CrossQ(settings)
     learner, _ = trainer.begin(np.random.default_rng(0), OBSERVATIONS, ACTIONS)

@@ -192,7 +192,7 @@ def _learn_critics(
     def loss(layers: list[Layer]) -> tuple[jax.Array, list[Moments]]:
         values, seen = in_training(layers, running, inputs)
         value, next_value = jnp.split(values[..., 0], 2, axis=1)
-        future = batch.future * (next_value.min(axis=0) + entropy_bonus)
+        future = batch.future * (_believed(settings, next_value) + entropy_bonus)
         target = jax.lax.stop_gradient(batch.reward + future)
         return 0.5 * jnp.square(value - target).mean(axis=1).sum(), seen
 
@@ -230,7 +230,7 @@ def _learn_policy(
         heads, seen = networks.apply_in_training(layers, running, observation, renormalise)
         action, density = sample(heads, noise)
         inputs = _for_each_critic(settings, jnp.concatenate([observation, action], axis=1))
-        values = jax.vmap(networks.apply)(judges, inputs)[..., 0].min(axis=0)
+        values = _believed(settings, jax.vmap(networks.apply)(judges, inputs)[..., 0])
         return (entropy_weight * density - values).mean(), (-density.mean(), seen)
 
     layers = networks.layers(policy.parameters, sizes.policy)
@@ -249,6 +249,12 @@ def _learn_policy(
     )
     moments = _track(settings, policy.moments, networks.flatten(seen))
     return Policy(parameters, moments, adam, log_entropy_weight, entropy_adam)
+
+
+def _believed(settings: CrossQSettings, values: jax.Array) -> jax.Array:
+    """Return what is believed of what each critic says, (critics, batch)."""
+    mean = values.mean(axis=0)
+    return mean - settings.pessimism * (mean - values.min(axis=0))
 
 
 def _fold_policy(policy: Policy, sizes: _Sizes) -> Folded:

@@ -45,12 +45,14 @@ class CrossQSettings:
     hidden: tuple[Count, ...] = (128, 128)
     """Units of each hidden layer, of the policy and of each critic."""
     critics: Count = 2
-    """Critics, the smallest of which is believed."""
+    """Critics, whose mean or smallest value is believed, or something between."""
+    pessimism: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0
+    """How far the smallest value is believed (1) rather than the mean (0)."""
     policy_rate: Positive = 1e-3
     """Adam's learning rate for the policy."""
     critic_rate: Positive = 1e-3
     """Adam's learning rate for the critics."""
-    entropy_rate: Positive = 1e-3
+    entropy_rate: Positive = 5e-3
     """Adam's learning rate for the weight of the entropy."""
     beta1: Fraction = 0.5
     """Adam's decay of the mean gradient; the lower value steadies learning without targets."""
@@ -65,7 +67,7 @@ class CrossQSettings:
     lies on its back does not fill the memory; `None` for the task's own length."""
     policy_delay: Count = 3
     """The policy learns at every so many gradient steps of the critics."""
-    initial_entropy_weight: Positive = 1.0
+    initial_entropy_weight: Positive = 0.1
     """Weight of the policy's entropy at the start; it is learnt from there."""
     target_entropy: float | None = None
     """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
@@ -74,7 +76,7 @@ class CrossQSettings:
     renorm_after: int = 100_000
     """Gradient steps with plain batch normalisation before the correction of batch
     renormalisation sets in."""
-    noise_octaves: Count = 1
+    noise_octaves: Count = 4
     """Octaves of pink noise that explore (`robomore.training.pink`); 1 for white noise."""
     average_share: Fraction = 0.1
     """The policy that is returned is an exponential average over about this last share of the
