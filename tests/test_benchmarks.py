@@ -1,0 +1,45 @@
+"""Benchmarks run, at sizes that measure nothing; what they found in earnest is in the documents."""
+
+from __future__ import annotations
+
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+def run(arguments: str) -> str:
+    """Run a benchmark and return what it prints."""
+    name, *rest = shlex.split(arguments)
+    command = [sys.executable, ROOT / "benchmarks" / name, *rest]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ("update.py --hidden 16 --batch 16 --seconds 0.1", ["bare matrix products", "RoboMoRe"]),
+        ("simulation.py --steps 4", ["ant", "half-cheetah", "hopper", "walker", "swimmer"]),
+        (
+            "learning.py --robots swimmer --seeds 1 --steps 6400 --every 3200 "
+            "--set warm_up_steps=1024",
+            ["swimmer, human body", "3200", "6400"],
+        ),
+    ],
+)
+def test_a_benchmark_prints_its_table(arguments: str, told: list[str]) -> None:
+    printed = run(arguments)
+    assert [word for word in told if word not in printed] == []
+
+
+def test_screening_finds_the_recorded_best_for_a_third_of_the_steps() -> None:
+    line = next(line for line in run("screening.py").splitlines() if "the default" in line)
+    *_, recall, best, share, _ = line.split()
+    assert (float(recall), int(best)) >= (0.8, 6)
+    assert float(share) <= 1 / 3
