@@ -32,7 +32,7 @@ from robomore.sandbox.contain import Containment
 from robomore.sandbox.layers import ensure, strict_is_possible
 from robomore.search import final, robomore
 from robomore.settings import RunSettings, preset
-from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder, package_versions
+from robomore.store import LedgerExchanges, Manifest, RunFolder, package_versions, whole_ledger
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.training.settings import ensure_trainer, packages_for
@@ -107,7 +107,7 @@ def run(
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
-        ledger = stack.enter_context(closing(Ledger(folder.ledger)))
+        ledger = stack.enter_context(closing(whole_ledger(folder.ledger)))
         observe(
             RunBegan(task.id, name, settings, chosen.name, chosen.provenance, seed, workers, out)
         )
@@ -140,6 +140,7 @@ def run(
                 settings.search.repeats,
                 objective,
             )
+            evaluator.restore_policies(outcome.champion)
         except KeyboardInterrupt:
             ledger.add_event("interrupted")
             raise Interrupted(

@@ -103,7 +103,7 @@ class _Slot:
             try:
                 outcome = self._run(Call(function, payload), index, said, timeout)
             except OSError as error:
-                outcome = Failed(f"the worker process could not be used ({error})")
+                outcome = Failed(f"the worker process could not be used ({error})", unstarted=True)
             said.put((index, outcome))
 
     def close(self) -> None:

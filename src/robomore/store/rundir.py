@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
+from contextlib import suppress
 from pathlib import Path
 
-from robomore.errors import RunFolderError
+from robomore.errors import RunFolderError, StorageFailed
 from robomore.store.manifest import Manifest
+
+_PROBE_BYTES = 4 * 2**20
 
 
 class RunFolder:
@@ -18,7 +22,7 @@ class RunFolder:
     artifacts/KEY/    policy.npz of an evaluation
     checkpoints/      trainings that rest between two rungs of screening
     scratch/          what is being trained right now; empty when nothing runs
-    champion/         the answer: design.json, reward.py, robot.xml, policy.npz
+    champion/         the answer: design.json, reward.py, robot.xml, policy.npz, SHA256SUMS
     report.html       the answer as a page
     lock              held while the run goes on
     ```
@@ -79,6 +83,28 @@ class RunFolder:
             folder.release()
             raise
         return folder
+
+    def ensure_writable(self) -> None:
+        """Make sure that what went wrong is not the disk's fault, before a design is blamed.
+
+        Raises:
+            StorageFailed: no file of a policy's size can be written now.
+        """
+        probe = self.path / "probe.partial"
+        try:
+            with probe.open("wb") as file:
+                file.write(bytes(_PROBE_BYTES))
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise StorageFailed(
+                f"cannot write to {self.path} ({error.strerror}); free disk space or make the "
+                "folder writable, then the same command goes on: everything that was finished is "
+                "kept"
+            ) from None
+        finally:
+            with suppress(OSError):
+                probe.unlink(missing_ok=True)
 
     def release(self) -> None:
         """Let go of the lock."""
