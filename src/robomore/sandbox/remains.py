@@ -64,6 +64,7 @@ def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[Any]]:
             # NumPy reads as many bytes as a header says, and a sum is looked at after the last.
             if (broken := archive.testzip()) is not None:
                 raise Suspicious(f"{path.name} is damaged in {broken!r}")
+        content.seek(0)
         with np.load(content, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except Suspicious:
