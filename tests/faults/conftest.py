@@ -1,11 +1,15 @@
-"""An undisturbed run, which every disturbed one has to end like."""
+"""An undisturbed run, which every disturbed one has to end like, and a command line to disturb."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
-from quick_run import SMOKE, ended
+from quick_run import SMOKE, ended, environment
+from told import Command, Said
+
+from robomore.cli.app import main
+from robomore.evaluation import evaluator
 
 
 @pytest.fixture(scope="session")
@@ -14,3 +18,17 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = ended(*SMOKE, "--workers", "2", "--out", out)
     assert done.returncode == 0, done.stderr
     return out
+
+
+@pytest.fixture
+def robomore_(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
+    """Run a command in this process, with the quick trainer in its workers."""
+    monkeypatch.setattr(evaluator, "_WORK", "quick_run:work")
+    monkeypatch.setenv("PYTHONPATH", environment()["PYTHONPATH"])
+
+    def call(*arguments: str | Path) -> Said:
+        capsys.readouterr()
+        status = main([str(argument) for argument in arguments])
+        return Said(status, *capsys.readouterr())
+
+    return call

@@ -5,6 +5,7 @@ Processes, containment, the ledger and the measurement are the real ones.
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -55,6 +56,16 @@ def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
     evaluate.run_contained = quickly  # type: ignore[assignment]
     evaluate.compiled_trainer = lambda shape, containment: None
     return evaluate.work(payload, progress)
+
+
+def disk_full(payload: bytes, progress: Callable[[int], None]) -> bytes:
+    """Do the same on a disk that has no space for the policy."""
+
+    def keep(policy: object, artifact: Path) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(artifact))
+
+    evaluate._keep = keep
+    return work(payload, progress)
 
 
 if __name__ == "__main__":

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import random
 import shutil
 import sqlite3
 import subprocess
 import time
-from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,39 +16,13 @@ import pytest
 from processes import descendants, kill
 from quick_run import SMOKE, command, environment
 from remains import champion, numbers, rows
+from told import Command, facts, measured, refused
 
-from robomore.cli.app import main
 from robomore.cli.performer import Performer, find_performer
 from robomore.errors import InputError
-from robomore.evaluation import evaluator
 from robomore.store import RunFolder
 
 PLACES = 50
-
-
-@dataclass(frozen=True)
-class Said:
-    """How a command ended and what it told."""
-
-    status: int
-    out: str
-    err: str
-
-
-Command = Callable[..., Said]
-
-
-@pytest.fixture
-def robomore_(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
-    """Run a command in this process, with the quick trainer in its workers."""
-    monkeypatch.setattr(evaluator, "_WORK", "quick_run:work")
-    monkeypatch.setenv("PYTHONPATH", environment()["PYTHONPATH"])
-
-    def call(*arguments: str | Path) -> Said:
-        status = main([str(argument) for argument in arguments])
-        return Said(status, *capsys.readouterr())
-
-    return call
 
 
 @pytest.mark.parametrize("place", range(PLACES))
@@ -189,29 +160,6 @@ def damage(path: Path, choose: random.Random) -> str:
             said = f"overwritten at {at}"
     path.write_bytes(content)
     return f"{path.parent.name}/{path.name} {said}"
-
-
-def refused(said: Said, done: str) -> None:
-    """A refusal is one line that names a file and what to do."""
-    assert said.status == 2, f"{said} after {done}"
-    assert said.out == "", done
-    assert said.err.startswith("robomore: ") and said.err.count("\n") == 1, f"{said} after {done}"
-    assert "Traceback" not in said.err
-    assert any(word in said.err for word in ("same command", "--out", "restore")), said.err
-
-
-def facts(shown: str) -> dict[str, Any]:
-    """Return what `show --json` tells, but where the folder is."""
-    data: dict[str, Any] = json.loads(shown)
-    data.pop("run")
-    return data
-
-
-def measured(shown: str) -> dict[str, Any]:
-    """Return what `show --json` tells of results, without what they cost."""
-    data = facts(shown)
-    data.pop("cost")
-    return data
 
 
 def found(out: Path) -> tuple[Any, ...] | None:

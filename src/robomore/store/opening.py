@@ -26,6 +26,9 @@ DAMAGE = frozenset(
 )
 """SQLite's codes for a file that is not what was written. Others blame the disk or the medium."""
 
+BROKEN = (sqlite3.Error, OverflowError, UnicodeDecodeError)
+"""What reading a damaged file may raise; the others where a name or a number makes no sense."""
+
 BESIDE = ("-wal", "-shm")
 """What SQLite keeps beside a file that is open, or whose process was killed."""
 

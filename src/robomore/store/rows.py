@@ -7,7 +7,6 @@ last column of every table is a digest of all the others, and a row is read only
 from __future__ import annotations
 
 import hashlib
-import sqlite3
 import threading
 import time
 from collections.abc import Iterable, Iterator
@@ -18,7 +17,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from robomore.errors import LedgerDamaged, LedgerError, RoboMoReError, StorageFailed
-from robomore.store.opening import DAMAGE, DamageError, open_to_read, open_to_write
+from robomore.store.opening import BROKEN, DAMAGE, DamageError, open_to_read, open_to_write
 
 T = TypeVar("T")
 
@@ -52,7 +51,7 @@ class Rows:
             found = self._db.execute("PRAGMA integrity_check(1)").fetchone()
             if found != ("ok",):
                 raise self.damaged(found[0] if found else "its structure is broken")
-        except (sqlite3.Error, DamageError) as error:
+        except (*BROKEN, DamageError) as error:
             self._open.close()
             raise self._failure(error) from None
         except RoboMoReError:
@@ -89,7 +88,7 @@ class Rows:
     def _script(self, statements: str) -> None:
         try:
             self._db.executescript(statements)
-        except sqlite3.Error as error:
+        except BROKEN as error:
             raise self._failure(error) from None
 
     def _insert(self, table: str, *columns: Any) -> None:
@@ -114,7 +113,7 @@ class Rows:
         try:
             with self._lock, self._db:
                 return self._db.execute(query, values).fetchall()
-        except (sqlite3.Error, OverflowError) as error:
+        except BROKEN as error:
             raise self._failure(error) from None
 
     def _failure(self, error: Exception) -> RoboMoReError:

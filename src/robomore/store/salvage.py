@@ -16,7 +16,7 @@ from typing import Any
 
 from robomore.errors import LedgerDamaged
 from robomore.store.ledger import SCHEMA, TABLES, Ledger
-from robomore.store.opening import BESIDE, copy_ledger, open_to_write
+from robomore.store.opening import BESIDE, BROKEN, copy_ledger, open_to_write
 from robomore.store.rows import digest
 
 log = logging.getLogger(__name__)
@@ -64,7 +64,7 @@ def _salvage(damaged: Path, path: Path) -> int | None:
         try:
             old = open_to_write(damaged, durable=False, stack=stack)
             (version,) = old.execute("PRAGMA user_version").fetchone()
-        except sqlite3.Error:
+        except BROKEN:
             return None
         if version != SCHEMA:
             return None
@@ -88,7 +88,7 @@ def _rows(db: sqlite3.Connection, table: str) -> Iterator[tuple[Any, ...]]:
     found: dict[int, tuple[Any, ...]] = {}
     for order in ("ASC", "DESC"):
         # A damaged schema or page ends the reading, not what was read before.
-        with suppress(sqlite3.Error, OverflowError):
+        with suppress(*BROKEN):
             for number, *row in db.execute(f"SELECT rowid, * FROM {table} ORDER BY rowid {order}"):
                 if number in found:
                     break
