@@ -1,15 +1,18 @@
 """What containment costs a candidate, part by part and as a whole.
 
     python benchmarks/containment.py
-    python benchmarks/containment.py --task ant --preset quick --repeats 5
+    python benchmarks/containment.py --task ant --preset quick --repeats 12
 
 The parts are the least of many tries, which a busy machine blurs little. The whole is the same
-training in a contained child and in a plain process, in turns; the parent counts in.
+training in a contained child and in a plain process, pair by pair in turns; the parent counts in,
+and of each pair the ratio is taken, so that what slows both down drops out. Processor time says
+what containment costs; wall-clock time says it on an idle machine alone.
 """
 
 from __future__ import annotations
 
 import argparse
+import random
 import statistics
 import subprocess
 import sys
@@ -125,18 +128,33 @@ def whole(options: argparse.Namespace) -> None:
                 env=child_environment(scratch) | extra,
             )
 
-        rows = []
+        pairs = []
         for turn in range(options.repeats):
+            # In turns, so that a machine that warms up or slows down favours neither.
             order = (plain, contained) if turn % 2 else (contained, plain)
             costs = {way: _cost(way) for way in order}
-            rows.append((*costs[plain], *costs[contained]))
-            print("plain {:.2f} s of core, {:.2f} s; contained {:.2f}, {:.2f}".format(*rows[-1]))
+            pairs.append((*costs[plain], *costs[contained]))
+            print("plain {:.2f} s of core, {:.2f} s; contained {:.2f}, {:.2f}".format(*pairs[-1]))
     for name, before, after in (("core", 0, 2), ("wall-clock", 1, 3)):
-        more = [100 * (row[after] / row[before] - 1) for row in rows]
+        ratios = [pair[after] / pair[before] for pair in pairs]
+        low, high = _interval(ratios)
+        sums = sum(pair[after] for pair in pairs) / sum(pair[before] for pair in pairs)
         print(
-            f"{name} seconds: {statistics.median(more):+.2f} % in the median, "
-            f"{min(more):+.2f} to {max(more):+.2f} %"
+            f"{name} seconds, contained over plain: {statistics.median(ratios):.4f} in the median "
+            f"of {len(ratios)} pairs (95 % interval {low:.4f} to {high:.4f}), {sums:.4f} in total, "
+            f"least over least {_least(pairs, after) / _least(pairs, before):.4f}"
         )
+
+
+def _interval(values: list[float]) -> tuple[float, float]:
+    """Return the 95 % bootstrap interval of the median."""
+    draw = random.Random(0)
+    medians = sorted(statistics.median(draw.choices(values, k=len(values))) for _ in range(4_000))
+    return medians[100], medians[-101]
+
+
+def _least(pairs: list[tuple[float, ...]], column: int) -> float:
+    return min(pair[column] for pair in pairs)
 
 
 def nothing(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
