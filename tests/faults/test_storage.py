@@ -105,7 +105,7 @@ READ_ONLY = textwrap.dedent(
     from robomore.cli import main
     from robomore.sandbox import landlock
     # It cannot start the process that would try the layers out.
-    experiment._containment = lambda asked, ours: experiment.Containment(asked)
+    experiment._containment = lambda asked, ours: (experiment.Containment(asked), "")
     ctypes.CDLL(None).prctl(38, 1, 0, 0, 0)  # no new privileges
     landlock.restrict(["/"], [os.environ["TMPDIR"], "/dev/null"])
     sys.exit(main())

@@ -6,7 +6,7 @@ import json
 import os
 import socket
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -51,10 +51,15 @@ def ensure(mode: Containment) -> list[Layer]:
         InputError: `mode` is strict and a layer that it asks for is missing.
     """
     found = layers()
-    missing = [layer for layer in found if layer.name in REQUIRED and not layer.active]
-    if missing and mode is Containment.STRICT:
-        raise refused("; ".join(f"no layer for {it.name}: {it.detail}" for it in missing))
+    lacking = missing(found)
+    if lacking and mode is Containment.STRICT:
+        raise refused("; ".join(f"no layer for {it.name}: {it.detail}" for it in lacking))
     return found
+
+
+def missing(found: Sequence[Layer]) -> list[Layer]:
+    """Return those of `found` that `Containment.STRICT` asks for and that are off."""
+    return [layer for layer in found if layer.name in REQUIRED and not layer.active]
 
 
 def strict_is_possible() -> bool:

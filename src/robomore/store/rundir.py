@@ -38,6 +38,7 @@ class RunFolder:
         self.champion = path / "champion"
         self.report = path / "report.html"
         self._lock = path / "lock"
+        self._probe = path / "probe.partial"
         self._held: sqlite3.Connection | None = None
 
     @classmethod
@@ -65,6 +66,9 @@ class RunFolder:
         folder = cls(path)
         try:
             folder.artifacts.mkdir(parents=True, exist_ok=True)
+            # SQLite opens what it may not write to, and says nothing before it has to write.
+            folder._probe.touch()
+            folder._probe.unlink()
             folder._hold_lock()
             if folder.manifest.exists():
                 Manifest.load(folder.manifest).refuse_other(asked, path)
@@ -90,9 +94,8 @@ class RunFolder:
         Raises:
             StorageFailed: no file of a policy's size can be written now.
         """
-        probe = self.path / "probe.partial"
         try:
-            with probe.open("wb") as file:
+            with self._probe.open("wb") as file:
                 file.write(bytes(_PROBE_BYTES))
                 file.flush()
                 os.fsync(file.fileno())
@@ -104,7 +107,7 @@ class RunFolder:
             ) from None
         finally:
             with suppress(OSError):
-                probe.unlink(missing_ok=True)
+                self._probe.unlink(missing_ok=True)
 
     def release(self) -> None:
         """Let go of the lock."""
