@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -13,11 +14,24 @@ from robomore.evaluation import evaluator
 
 
 @pytest.fixture(scope="session")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def timed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, float]:
     out = tmp_path_factory.mktemp("undisturbed") / "run"
+    began = time.monotonic()
     done = ended(*SMOKE, "--workers", "2", "--out", out)
     assert done.returncode == 0, done.stderr
-    return out
+    return out, time.monotonic() - began
+
+
+@pytest.fixture(scope="session")
+def undisturbed(timed: tuple[Path, float]) -> Path:
+    """Folder of the run."""
+    return timed[0]
+
+
+@pytest.fixture(scope="session")
+def undisturbed_seconds(timed: tuple[Path, float]) -> float:
+    """How long it took."""
+    return timed[1]
 
 
 @pytest.fixture
