@@ -4,14 +4,15 @@
     python benchmarks/containment.py --task ant --preset quick --repeats 12
 
 The parts are the least of many tries, which a busy machine blurs little. The whole is the same
-training in a contained child and in a plain process, pair by pair in turns; the parent counts in,
-and of each pair the ratio is taken, so that what slows both down drops out. Processor time says
-what containment costs; wall-clock time says it on an idle machine alone.
+training in a contained child and in a plain process, both at the same time, so that whatever slows
+one down slows the other too; the parent counts in, and of each pair the ratio is taken. It needs
+two cores to itself to be sharp; the interval says how sharp it is.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import random
 import statistics
 import subprocess
@@ -20,6 +21,7 @@ import tempfile
 import time
 import timeit
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
@@ -119,35 +121,46 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
         scratch = Path(folder)
         payload = msgspec.json.encode(Request(job, key="", scratch=folder))
 
-        def contained() -> None:
+        def contained() -> float:
             readable = [compiled] if compiled else []
-            _answered(
-                run_contained(
-                    "robomore.evaluation.train:train",
-                    payload,
-                    scratch,
-                    Limits(),
-                    readable=readable,
-                    environment=extra,
-                )
+            ended = run_contained(
+                "robomore.evaluation.train:train",
+                payload,
+                scratch / "contained",
+                Limits(),
+                readable=readable,
+                environment=extra,
             )
+            _answered(ended)
+            return ended.seconds
 
-        def plain() -> None:
-            subprocess.run(
-                [sys.executable, "-P", "-s", "-c", _PLAIN, folder],
-                input=payload,
-                check=True,
-                cwd=folder,
+        def plain() -> float:
+            child = subprocess.Popen(
+                [sys.executable, "-P", "-s", "-c", _PLAIN, str(scratch / "plain")],
+                stdin=subprocess.PIPE,
+                cwd=scratch / "plain",
                 env=child_environment(scratch) | extra,
             )
+            assert child.stdin is not None
+            child.stdin.write(payload)
+            child.stdin.close()
+            _, status, used = os.wait4(child.pid, 0)
+            if status:
+                sys.exit(f"the plain training failed ({status})")
+            child.returncode = status
+            return used.ru_utime + used.ru_stime
 
+        for way in ("contained", "plain"):
+            (scratch / way).mkdir()
         pairs = []
-        for turn in range(options.repeats):
-            # In turns, so that a machine that warms up or slows down favours neither.
-            order = (plain, contained) if turn % 2 else (contained, plain)
-            costs = {way: _cost(way) for way in order}
-            pairs.append((*costs[plain], *costs[contained]))
-            print("plain {:.2f} s of core, {:.2f} s; contained {:.2f}, {:.2f}".format(*pairs[-1]))
+        with ThreadPoolExecutor(2) as side_by_side:
+            for _ in range(options.repeats):
+                both = [side_by_side.submit(_own_cost, way) for way in (plain, contained)]
+                (core, wall), (core_contained, wall_contained) = (one.result() for one in both)
+                pairs.append((core, wall, core_contained, wall_contained))
+                print(
+                    "plain {:.2f} s of core, {:.2f} s; contained {:.2f}, {:.2f}".format(*pairs[-1])
+                )
     least = _least(pairs, 0)
     # As if the reward were called in every control step, which most are not.
     sum_of_parts = costs_of.starting + costs_of.watching * least + costs_of.calling * job.steps
@@ -220,6 +233,14 @@ def _cost(action: Callable[[], object]) -> tuple[float, float]:
     began, before = time.perf_counter(), _core_seconds()
     action()
     return _core_seconds() - before, time.perf_counter() - began
+
+
+def _own_cost(action: Callable[[], float]) -> tuple[float, float]:
+    """Return core-seconds, of this thread and of the child whose own `action` returns, and
+    wall-clock seconds."""
+    began, before = time.perf_counter(), time.thread_time()
+    of_child = action()
+    return of_child + time.thread_time() - before, time.perf_counter() - began
 
 
 def _core_seconds() -> float:
