@@ -1,15 +1,19 @@
 """What containment costs a candidate, part by part and as a whole.
 
     python benchmarks/containment.py
-    python benchmarks/containment.py --task ant --preset quick --repeats 5
+    python benchmarks/containment.py --task ant --preset quick --repeats 12
 
 The parts are the least of many tries, which a busy machine blurs little. The whole is the same
-training in a contained child and in a plain process, in turns; the parent counts in.
+training in a contained child and in a plain process, both at the same time, so that whatever slows
+one down slows the other too; the parent counts in, and of each pair the ratio is taken. It needs
+two cores to itself to be sharp; the interval says how sharp it is.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
+import random
 import statistics
 import subprocess
 import sys
@@ -17,6 +21,8 @@ import tempfile
 import time
 import timeit
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 
@@ -34,12 +40,21 @@ def main() -> None:
     parser.add_argument("--steps", type=int, help="of training, instead of the preset's")
     parser.add_argument("--repeats", type=int, default=0, help="of the whole; 0 leaves it out")
     options = parser.parse_args()
-    parts()
+    costs = parts()
     if options.repeats:
-        whole(options)
+        whole(options, costs)
 
 
-def parts() -> None:
+@dataclass(frozen=True)
+class Parts:
+    """Of the cost: seconds of core once, a share of the time, and seconds for each call."""
+
+    starting: float
+    watching: float
+    calling: float
+
+
+def parts() -> Parts:
     """Print what starting, watching and each reward call cost."""
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder)
@@ -49,7 +64,8 @@ def parts() -> None:
             _cost(lambda: subprocess.run(bare, check=True, env=environment))[0] for _ in range(20)
         ]
         contained = [_cost(lambda: _checked("nothing", b"", scratch))[0] for _ in range(20)]
-        print(f"starting: {1e3 * (min(contained) - min(plain)):.0f} ms of core more")
+        starting = min(contained) - min(plain)
+        print(f"starting: {1e3 * starting:.0f} ms of core more")
 
         before = time.process_time()
         _checked("busy", str(WATCHED_SECONDS).encode(), scratch)
@@ -67,10 +83,12 @@ def parts() -> None:
         min(timeit.repeat(lambda f=f: f(None, 0.0, None), number=calls, repeat=7))
         for f in (reward, counted)
     ]
-    print(f"each reward call: {1e9 * (times[1] - times[0]) / calls:.0f} ns more")
+    calling = (times[1] - times[0]) / calls
+    print(f"each reward call: {1e9 * calling:.0f} ns more")
+    return Parts(starting, watching, calling)
 
 
-def whole(options: argparse.Namespace) -> None:
+def whole(options: argparse.Namespace, costs_of: Parts) -> None:
     """Print what the same training costs contained and plain."""
     import msgspec
 
@@ -103,40 +121,70 @@ def whole(options: argparse.Namespace) -> None:
         scratch = Path(folder)
         payload = msgspec.json.encode(Request(job, key="", scratch=folder))
 
-        def contained() -> None:
+        def contained() -> float:
             readable = [compiled] if compiled else []
-            _answered(
-                run_contained(
-                    "robomore.evaluation.train:train",
-                    payload,
-                    scratch,
-                    Limits(),
-                    readable=readable,
-                    environment=extra,
-                )
+            ended = run_contained(
+                "robomore.evaluation.train:train",
+                payload,
+                scratch / "contained",
+                Limits(),
+                readable=readable,
+                environment=extra,
             )
+            _answered(ended)
+            return ended.seconds
 
-        def plain() -> None:
-            subprocess.run(
-                [sys.executable, "-P", "-s", "-c", _PLAIN, folder],
-                input=payload,
-                check=True,
-                cwd=folder,
+        def plain() -> float:
+            child = subprocess.Popen(
+                [sys.executable, "-P", "-s", "-c", _PLAIN, str(scratch / "plain")],
+                stdin=subprocess.PIPE,
+                cwd=scratch / "plain",
                 env=child_environment(scratch) | extra,
             )
+            assert child.stdin is not None
+            child.stdin.write(payload)
+            child.stdin.close()
+            _, status, used = os.wait4(child.pid, 0)
+            if status:
+                sys.exit(f"the plain training failed ({status})")
+            child.returncode = status
+            return used.ru_utime + used.ru_stime
 
-        rows = []
-        for turn in range(options.repeats):
-            order = (plain, contained) if turn % 2 else (contained, plain)
-            costs = {way: _cost(way) for way in order}
-            rows.append((*costs[plain], *costs[contained]))
-            print("plain {:.2f} s of core, {:.2f} s; contained {:.2f}, {:.2f}".format(*rows[-1]))
+        for way in ("contained", "plain"):
+            (scratch / way).mkdir()
+        pairs = []
+        with ThreadPoolExecutor(2) as side_by_side:
+            for _ in range(options.repeats):
+                both = [side_by_side.submit(_own_cost, way) for way in (plain, contained)]
+                (core, wall), (core_contained, wall_contained) = (one.result() for one in both)
+                pairs.append((core, wall, core_contained, wall_contained))
+                print(
+                    "plain {:.2f} s of core, {:.2f} s; contained {:.2f}, {:.2f}".format(*pairs[-1])
+                )
+    least = _least(pairs, 0)
+    # As if the reward were called in every control step, which most are not.
+    sum_of_parts = costs_of.starting + costs_of.watching * least + costs_of.calling * job.steps
+    print(f"core seconds, by the parts above: {1 + sum_of_parts / least:.4f} of plain")
     for name, before, after in (("core", 0, 2), ("wall-clock", 1, 3)):
-        more = [100 * (row[after] / row[before] - 1) for row in rows]
+        ratios = [pair[after] / pair[before] for pair in pairs]
+        low, high = _interval(ratios)
+        sums = sum(pair[after] for pair in pairs) / sum(pair[before] for pair in pairs)
         print(
-            f"{name} seconds: {statistics.median(more):+.2f} % in the median, "
-            f"{min(more):+.2f} to {max(more):+.2f} %"
+            f"{name} seconds, contained over plain: {statistics.median(ratios):.4f} in the median "
+            f"of {len(ratios)} pairs (95 % interval {low:.4f} to {high:.4f}), {sums:.4f} in total, "
+            f"least over least {_least(pairs, after) / _least(pairs, before):.4f}"
         )
+
+
+def _interval(values: list[float]) -> tuple[float, float]:
+    """Return the 95 % bootstrap interval of the median."""
+    draw = random.Random(0)
+    medians = sorted(statistics.median(draw.choices(values, k=len(values))) for _ in range(4_000))
+    return medians[100], medians[-101]
+
+
+def _least(pairs: list[tuple[float, ...]], column: int) -> float:
+    return min(pair[column] for pair in pairs)
 
 
 def nothing(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
@@ -157,12 +205,13 @@ def busy(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
 
 
 _PLAIN = """
-import sys
+import os, sys
 from pathlib import Path
 from types import ModuleType
 sys.modules["glfw"] = ModuleType("glfw")
 from robomore.evaluation.train import train
 train(sys.stdin.buffer.read(), Path(sys.argv[1]), lambda steps: None)
+os._exit(0)  # as the contained child does, which spares both what libraries tidy up
 """
 
 
@@ -184,6 +233,14 @@ def _cost(action: Callable[[], object]) -> tuple[float, float]:
     began, before = time.perf_counter(), _core_seconds()
     action()
     return _core_seconds() - before, time.perf_counter() - began
+
+
+def _own_cost(action: Callable[[], float]) -> tuple[float, float]:
+    """Return core-seconds, of this thread and of the child whose own `action` returns, and
+    wall-clock seconds."""
+    began, before = time.perf_counter(), time.thread_time()
+    of_child = action()
+    return of_child + time.thread_time() - before, time.perf_counter() - began
 
 
 def _core_seconds() -> float:

@@ -19,6 +19,7 @@ import robomore.experiment
 from fake_run import PROVENANCE, FakeRun, finished_run
 from robomore.cli import main
 from robomore.errors import Interrupted, NothingTrained
+from robomore.store.champion import write_sums
 from robomore.tasks import TASKS, get_task
 from robomore.tasks.simulation import Simulations
 from robomore.training.policy import MLPPolicy
@@ -62,6 +63,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shape = (simulations.observation_size, simulations.action_size)
     policy = MLPPolicy((np.ones(shape, np.float32),), (np.zeros(shape[1], np.float32),))
     policy.save(path / "champion" / "policy.npz")
+    write_sums(path / "champion")
     return path
 
 

@@ -40,7 +40,9 @@ SETTINGS = RunSettings(
     candidate=Budget(1_000, 1),
     final=Budget(2_000, 1),
 )
-BEGAN = RunBegan("ant", "quick", SETTINGS, "offline", "No LLM was used.", 3, 2, Path("runs/x"))
+BEGAN = RunBegan(
+    "ant", "quick", SETTINGS, "offline", "No LLM was used.", 3, 2, Path("runs/x"), "strict (files)"
+)
 GRID = tuple(Place(stage="coarse", morphology=i, reward=j) for i in range(2) for j in range(2))
 FINE = Place(stage="fine", cycle=1, changed="reward")
 LAST = (Place(stage="final", changed="champion"), Place(stage="final", changed="human"))
@@ -160,6 +162,7 @@ def shown(progress: Progress) -> str:
 def test_the_live_view_shows_all_of_it_and_takes_ideas_for_text(progress: Progress) -> None:
     text = shown(progress)
     assert "No LLM was used." in text
+    assert "containment: strict (files)" in text
     assert "2/4" in text
     assert "1 running, 1 failed" in text
     assert "500/1,000 steps" in text
@@ -187,9 +190,10 @@ def test_plain_lines_tell_stages_bests_and_failures_but_not_everything(clock: Cl
     lines(Finished(failed("c"), GRID[2], known=False))
     clock.now += 60
     lines(Finished(measured("d", 1.0), GRID[3], known=False))
-    first, provenance, stage, best, failure, late = stream.getvalue().splitlines()
+    first, provenance, contained, stage, best, failure, late = stream.getvalue().splitlines()
     assert "2 workers" in first
     assert provenance == "No LLM was used."
+    assert contained == "containment: strict (files)"
     assert stage == "coarse stage: 4 evaluations"
     assert best.startswith("[coarse 1/4] best so far: 6.000")
     assert "reward-failed" in failure

@@ -44,9 +44,11 @@ def test_a_missing_file_is_misuse(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_only_rewards_of_our_own_may_do_without_layers(monkeypatch: pytest.MonkeyPatch) -> None:
     missing = [Layer(name, False, "not on this machine") for name in REQUIRED]
-    monkeypatch.setattr(layers, "layers", lambda: missing)
-    assert _containment(None, ours=True) is Containment.RELAXED
-    assert _containment("relaxed", ours=False) is Containment.RELAXED
+    found = [*missing, Layer("limits", True, "some")]
+    monkeypatch.setattr(layers, "layers", lambda: found)
+    told = f"relaxed (limits; without {', '.join(REQUIRED)})"
+    assert _containment(None, ours=True) == (Containment.RELAXED, told)
+    assert _containment("relaxed", ours=False) == (Containment.RELAXED, told)
     for asked, ours in ((None, False), ("strict", True), ("strict", False)):
         with pytest.raises(Exception, match="--containment relaxed"):
             _containment(asked, ours)

@@ -26,12 +26,24 @@ class RunFolderError(InputError):
     """A run folder that cannot be used: unwritable, damaged, of another task, or in use."""
 
 
-class LedgerError(RoboMoReError):
-    """The ledger is damaged or was written by a newer version."""
+class LedgerError(InputError):
+    """The ledger is damaged, or was written by another version of RoboMoRe."""
+
+
+class LedgerDamaged(LedgerError):
+    """A file that is not what was written: SQLite cannot read it, or a row is not its digest's."""
+
+
+class StorageFailed(RoboMoReError):
+    """The disk is full, or cannot be written any more; what was finished before is kept."""
 
 
 class ProposalFailed(RoboMoReError):
     """A designer could not fill a slot, and why. The search asks for a fresh proposal."""
+
+
+class NoWorker(RoboMoReError):
+    """No worker process can be started on this machine; what was finished before is kept."""
 
 
 class BudgetExhausted(RoboMoReError):

@@ -23,6 +23,7 @@ class RunBegan:
         seed: of the run.
         workers: evaluations that may go on side by side.
         folder: where everything is written.
+        containment: how a stranger's code is kept in, and by which layers.
     """
 
     task: str
@@ -33,6 +34,7 @@ class RunBegan:
     seed: int
     workers: int
     folder: Path
+    containment: str = ""
 
 
 @dataclass(frozen=True, slots=True)

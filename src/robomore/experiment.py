@@ -29,10 +29,11 @@ from robomore.identity import job_key
 from robomore.llm import Correspondence, MemoryLog, ReplayModel
 from robomore.report import write_report
 from robomore.sandbox.contain import Containment
-from robomore.sandbox.layers import ensure, strict_is_possible
+from robomore.sandbox.layers import ensure, missing
+from robomore.sandbox.lock import Layer
 from robomore.search import final, robomore
 from robomore.settings import RunSettings, preset
-from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder, package_versions
+from robomore.store import LedgerExchanges, Manifest, RunFolder, package_versions, whole_ledger
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.training.settings import ensure_trainer, packages_for
@@ -95,7 +96,7 @@ def run(
     settings = preset(settings) if isinstance(settings, str) else settings
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     objective = settings.search.objective
-    mode = _containment(containment, ours=designer in _OURS)
+    mode, layers = _containment(containment, ours=designer in _OURS)
     chosen = _chosen(designer, task, seed, objective, mode)
     manifest = Manifest(
         *(task.id, task.version, name, chosen.name, chosen.provenance, seed, settings),
@@ -107,10 +108,9 @@ def run(
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
-        ledger = stack.enter_context(closing(Ledger(folder.ledger)))
-        observe(
-            RunBegan(task.id, name, settings, chosen.name, chosen.provenance, seed, workers, out)
-        )
+        ledger = stack.enter_context(closing(whole_ledger(folder.ledger)))
+        began = (task.id, name, settings, chosen.name, chosen.provenance, seed, workers, out)
+        observe(RunBegan(*began, layers))
         executor = stack.enter_context(closing(Processes(workers)))
         evaluator = Evaluator(
             task.id,
@@ -140,6 +140,7 @@ def run(
                 settings.search.repeats,
                 objective,
             )
+            evaluator.restore_policies(outcome.champion)
         except KeyboardInterrupt:
             ledger.add_event("interrupted")
             raise Interrupted(
@@ -185,7 +186,7 @@ def evaluate(
     task = get_task(task) if isinstance(task, str) else task
     settings = preset(settings) if isinstance(settings, str) else settings
     ensure_trainer(settings.trainer, settings.candidate.steps if steps is None else steps)
-    mode = _containment(containment, ours=reward is None)
+    mode, _ = _containment(containment, ours=reward is None)
     if artifact is not None and artifact.exists() and any(artifact.iterdir()):
         raise InputError(f"{artifact} is not empty; name a new folder for the policy")
     checked = task.check(task.human if parameters is None else parameters)
@@ -256,20 +257,26 @@ _OURS = ("offline", "human", "random")
 """Designers whose rewards are composed from this package's own text."""
 
 
-def _containment(asked: str | None, ours: bool) -> Containment:
-    """Return how strangers' code is kept in, or refuse before anything has started.
+def _containment(asked: str | None, ours: bool) -> tuple[Containment, str]:
+    """Return how strangers' code is kept in, and by which layers, or refuse before anything starts.
 
     Raises:
         InputError: strict containment is asked for, or needed, and not possible here.
     """
     if asked is None and ours:
-        if strict_is_possible():
-            return Containment.STRICT
-        log.warning("strict containment is not possible here; `robomore doctor` says why")
-        return Containment.RELAXED
+        found = ensure(Containment.RELAXED)
+        possible = not missing(found)
+        if not possible:
+            log.warning("strict containment is not possible here; `robomore doctor` says why")
+        return _told(Containment.STRICT if possible else Containment.RELAXED, found)
     mode = Containment(asked or Containment.STRICT)
-    ensure(mode)
-    return mode
+    return _told(mode, ensure(mode))
+
+
+def _told(mode: Containment, found: Sequence[Layer]) -> tuple[Containment, str]:
+    on = ", ".join(layer.name for layer in found if layer.active)
+    off = ", ".join(layer.name for layer in found if not layer.active)
+    return mode, f"{mode} ({on}{f'; without {off}' if off else ''})"
 
 
 def _recorded(replay: Replay) -> LanguageModel:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
 import pytest
 
+from robomore.errors import NoWorker, RunFolderError, StorageFailed
 from robomore.evaluation.evaluator import Evaluator
 from robomore.evaluation.request import Request
 from robomore.events import Event, Finished
@@ -157,6 +159,54 @@ def test_a_design_that_always_kills_its_worker_fails_with_the_reason(tmp_path: P
     assert (crashed.status, crashed.fitness) == (Status.CRASHED, None)
     assert "SIGSEGV" in crashed.diagnosis
     assert ours.ledger.evaluation(crashed.key) == crashed
+
+
+def test_a_fault_of_ours_is_tried_again_and_told(tmp_path: Path) -> None:
+    def faulty(request: Request) -> Outcome:
+        return Done(
+            msgspec.json.encode(Evaluation(request.key, request.job, Status.FAILED, "OSError"))
+        )
+
+    executor = Scripted(faulty)
+    (failed,) = evaluator(tmp_path, executor).measure([trial(1)], BUDGET)
+    assert failed.status is Status.FAILED and len(executor.requests) == 2
+
+
+def test_no_design_is_blamed_where_nothing_can_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(folder: RunFolder) -> None:
+        raise StorageFailed("no space")
+
+    monkeypatch.setattr(RunFolder, "ensure_writable", full)
+    ours = evaluator(tmp_path, Scripted(lambda request: Failed("the worker process was ended")))
+    with pytest.raises(StorageFailed):
+        ours.measure([trial(1)], BUDGET)
+    assert ours.ledger.evaluations() == []
+
+
+def test_no_design_is_blamed_where_no_worker_starts(tmp_path: Path) -> None:
+    ours = evaluator(tmp_path, Scripted(lambda request: Failed("no memory", unstarted=True)))
+    with pytest.raises(NoWorker, match=r"no memory.*same command"):
+        ours.measure([trial(1)], BUDGET)
+    assert ours.ledger.evaluations() == []
+
+
+def test_a_policy_that_comes_out_otherwise_is_not_passed_off(tmp_path: Path) -> None:
+    def luckier(request: Request) -> Outcome:
+        known = msgspec.json.decode(kept_by(good(request)), type=Evaluation)
+        return Done(msgspec.json.encode(replace(known, episode_fitness=(9.0,))))
+
+    def kept_by(outcome: Outcome) -> bytes:
+        assert isinstance(outcome, Done)
+        return outcome.reply
+
+    ours = evaluator(tmp_path, Scripted(good))
+    (first,) = ours.measure([trial(1)], BUDGET)
+    ours.executor = Scripted(luckier)
+    with pytest.raises(RunFolderError, match="restore it from a copy"):
+        ours.restore_policies([replace(first, artifact=first.key)])
+    assert ours.ledger.evaluation(first.key) == first
 
 
 def test_a_hanging_design_is_given_up_at_once(tmp_path: Path) -> None:

@@ -68,6 +68,31 @@ def test_nothing_gets_across(
         assert _fitness(contained, planted, attempt) <= BEST
 
 
+KNOWN_ESCAPES = {
+    "format strings": ("escape/format_string", "escape/format_map"),
+    "walks over types": ("escape/subclasses", "escape/metaclass"),
+    "__globals__": ("escape/builtins_through_function", "escape/builtins_through_module"),
+    "frames of generators and tracebacks": ("escape/generator_frame", "escape/traceback_frame"),
+    "decorators and descriptors": ("escape/decorator", "escape/descriptor"),
+    "__reduce__": ("escape/reduce", "escape/reduce_left_behind"),
+    "ctypes through numpy": ("read/ctypes_through_numpy",),
+    "np.load, np.memmap, np.fromfile": ("read/load_pickle", "read/memmap", "read/fromfile"),
+    "hooks of warnings and codecs": ("escape/warning_hook", "escape/codec_hook"),
+    "signal handlers": ("process/alarm", "process/deaf_to_signals"),
+    "atexit": ("process/exit_hook",),
+    "threads": ("process/threads", "process/thread_left"),
+    "self.data": ("cheat/write_positions", "cheat/write_velocities"),
+    "the framework's own objects": ("cheat/patch_numpy", "cheat/patch_robomore"),
+}
+
+
+def test_the_known_escapes_are_tried_and_many_more() -> None:
+    names = {attempt.name for attempt in attempts()}
+    assert len(names) >= 120
+    for way, tried in KNOWN_ESCAPES.items():
+        assert set(tried) <= names, way
+
+
 def _fitness(contained: Contained, planted: World, attempt: Attempt) -> float:
     """Return what the parent measures, minus infinity where it refuses what was left behind."""
     try:

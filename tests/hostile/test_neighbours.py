@@ -13,6 +13,7 @@ from world import World, encode, world
 
 from robomore.sandbox.contain import run_contained
 from robomore.sandbox.layers import strict_is_possible
+from robomore.training.checkpoint import load_checkpoint
 from robomore.types import Status
 
 pytestmark = pytest.mark.skipif(
@@ -50,3 +51,21 @@ def test_numbers_stay_the_same() -> None:
             assert beside.result() == alone, attempt.name
             stranger.result()
         assert honest(planted, "after") == alone
+
+
+@pytest.mark.parametrize(
+    "name", ["write/neighbour_checkpoint", "read/neighbour_checkpoint", "write/neighbour_policy"]
+)
+def test_a_checkpoint_of_its_own_opens_no_way_to_anothers(name: str) -> None:
+    """Where a training keeps a checkpoint it may write to one folder more, and to no other."""
+    attempt = next(it for it in attempts() if it.name == name)
+    with world() as planted:
+        own = planted.root / "own"
+        source = planted.address(attempt.source)
+        scratch = planted.scratch(name)
+        for words in (source, source.replace(str(planted.root / "neighbour"), "../../neighbour")):
+            ended = run_contained("miniature:train", encode(words), scratch, LIMITS, writable=[own])
+            assert ended.status is Status.REWARD_FAILED, ended.diagnosis
+            assert "Permission" in ended.diagnosis or "denied" in ended.diagnosis, ended.diagnosis
+            assert not planted.breaches(ended, scratch)
+        assert load_checkpoint(planted.root / "neighbour") is not None

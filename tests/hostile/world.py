@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from robomore.sandbox.contain import Contained
+from robomore.training.checkpoint import Checkpoint, save_checkpoint
 
 TEMPORARY = (Path("/tmp"), Path("/var/tmp"), Path("/dev/shm"))
 
@@ -47,6 +48,8 @@ class World:
         (self.outside / "secret.pkl").write_bytes(pickle.dumps(self.token))
         np.save(self.outside / "secret.npy", np.array(self.token.encode()))
         (self.root / "neighbour/policy.json").write_text(f'{{"force": 0.5, "x": "{self.token}"}}')
+        checkpoint = Checkpoint({"seed": 1}, {"weight": np.ones(3)}, {"qpos": np.zeros(3)})
+        save_checkpoint(self.root / "neighbour", checkpoint)
         (self.root / "readable/readable.txt").write_text("may be read")
         with contextlib.closing(sqlite3.connect(self.ledger)) as ledger, ledger:
             ledger.execute("create table evaluations (fitness real, note text)")

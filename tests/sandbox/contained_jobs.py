@@ -145,3 +145,12 @@ def _descriptors() -> list[int]:
             continue
         found.append(descriptor)
     return found
+
+
+def fill(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
+    """Write two files of a megabyte into each folder named, and stay to be caught."""
+    for folder in json.loads(payload):
+        for name in ("a", "b"):
+            (Path(folder) / name).write_bytes(bytes(2**20))
+    time.sleep(30)
+    return b""

@@ -194,6 +194,14 @@ def test_folders(tmp_path: Path) -> None:
     assert (tmp_path / "made").is_dir()
 
 
+def test_all_folders_count_against_the_disk_limit(tmp_path: Path) -> None:
+    limits = replace(LIMITS, file_bytes=2**20)
+    aims = json.dumps([str(tmp_path / "scratch"), str(tmp_path / "checkpoint")]).encode()
+    contained = call("fill", aims, tmp_path / "scratch", limits, writable=[tmp_path / "checkpoint"])
+    assert contained.status is Status.REWARD_FAILED, contained.diagnosis
+    assert "more than 3 MiB" in contained.diagnosis
+
+
 def test_threads_are_allowed(tmp_path: Path) -> None:
     assert json.loads(call("many_threads", b"", tmp_path).reply) == list(range(8))
 

@@ -126,5 +126,5 @@ def test_an_exchange_outlives_its_process(path: Path) -> None:
 
 def test_a_ledger_without_tables_is_refused(tmp_path: Path) -> None:
     log = LedgerExchanges(tmp_path / "empty.sqlite")
-    with pytest.raises(LedgerError, match="cannot be used"):
+    with pytest.raises(LedgerError, match="no such table"):
         log.all()

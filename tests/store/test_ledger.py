@@ -75,14 +75,42 @@ def test_a_changed_row_is_refused_not_believed(tmp_path: Path) -> None:
     ledger.close()
     with sqlite3.connect(path) as db:
         db.execute("UPDATE evaluations SET body = CAST(replace(body, '11.0', '99.0') AS BLOB)")
-    with pytest.raises(LedgerError, match=r"digest.*--out"):
-        Ledger(path).evaluation("k1")
+    with pytest.raises(LedgerError, match=r"digest.*same command"):
+        Ledger(path)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "UPDATE evaluations SET key = 'k3' WHERE key = 'k1'",
+        "UPDATE evaluations SET time = time + 1",
+        "UPDATE places SET place = replace(place, ':3', ':4')",
+        "UPDATE places SET evaluation = 'k2'",
+        "UPDATE places SET seq = 7",
+        "UPDATE proposals SET given = 'other'",
+        "UPDATE events SET kind = 'finished'",
+        "UPDATE events SET seq = 9",
+    ],
+)
+def test_every_column_is_under_the_digest(tmp_path: Path, change: str) -> None:
+    path = tmp_path / "ledger.sqlite"
+    ledger = Ledger(path)
+    ledger.add_evaluation(GOOD)
+    ledger.add_place(Place(stage="coarse", morphology=3), "k1")
+    ledger.add_proposal(Proposal(Slot("coarse", "morphology", 0, 0), DESIGN.morphology), "abc")
+    ledger.add_event("interrupted")
+    ledger.close()
+    with sqlite3.connect(path) as db:
+        assert db.execute(change).rowcount == 1
+    for read_only in (False, True):
+        with pytest.raises(LedgerError, match="digest"):
+            Ledger(path, read_only)
 
 
 def test_a_file_that_is_no_ledger_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "ledger.sqlite"
     path.write_bytes(b"this is not a database" * 100)
-    with pytest.raises(LedgerError, match="cannot be used"):
+    with pytest.raises(LedgerError, match="is not a database"):
         Ledger(path)
 
 
@@ -92,6 +120,15 @@ def test_a_newer_ledger_is_refused(tmp_path: Path) -> None:
     with sqlite3.connect(path) as db:
         db.execute("PRAGMA user_version = 99")
     with pytest.raises(LedgerError, match=r"version 99.*newer"):
+        Ledger(path)
+
+
+def test_an_older_ledger_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "ledger.sqlite"
+    Ledger(path).close()
+    with sqlite3.connect(path) as db:
+        db.execute("PRAGMA user_version = 1")
+    with pytest.raises(LedgerError, match=r"version 1.*the RoboMoRe that wrote it"):
         Ledger(path)
 
 

@@ -65,10 +65,26 @@ def test_a_damaged_manifest_is_refused(tmp_path: Path) -> None:
         RunFolder.prepare(tmp_path / "run", ASKED)
 
 
+@pytest.mark.parametrize(
+    ("written", "changed"),
+    [('"seed": 3', '"seed": 2'), ('"steps": 2048', '"steps": 2049'), ('"digest"', '"digesu"')],
+)
+def test_a_manifest_that_still_parses_is_not_believed(
+    tmp_path: Path, written: str, changed: str
+) -> None:
+    folder = RunFolder.prepare(tmp_path / "run", ASKED)
+    folder.release()
+    text = folder.manifest.read_text()
+    assert written in text
+    folder.manifest.write_text(text.replace(written, changed, 1))
+    with pytest.raises(RunFolderError, match="does not match its digest"):
+        Manifest.load(folder.manifest)
+
+
 def test_a_newer_manifest_is_refused(tmp_path: Path) -> None:
     folder = RunFolder.prepare(tmp_path / "run", ASKED)
     folder.release()
-    text = folder.manifest.read_text().replace('"format": 1', '"format": 9')
+    text = folder.manifest.read_text().replace('"format": 2', '"format": 9')
     folder.manifest.write_text(text)
     with pytest.raises(RunFolderError, match=r"format 9.*newer"):
         Manifest.load(folder.manifest)

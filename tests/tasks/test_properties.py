@@ -11,15 +11,17 @@ from bodies import at, random_body
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from robomore.errors import InvalidMorphology
+from robomore.errors import InvalidMorphology, UnstableSimulation
 from robomore.tasks import TASKS, Task, get_task
 from robomore.tasks.compile import body_facts, compile_model
 from robomore.tasks.hopper import LOWEST_TORSO
+from robomore.tasks.simulation import Simulations
 from robomore.tasks.swimmer import least_radius
 
 SEEDS = st.integers(0, 2**32 - 1)
 FRAME_SKIP = {"ant": 5, "hopper": 4, "half-cheetah": 5, "swimmer": 4, "walker": 4}
 CONTROL_STEPS = 200
+STEPS = 1_000
 
 slow = settings(
     max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
@@ -42,6 +44,46 @@ def test_any_valid_body_compiles_and_simulates(id: str, seed: int) -> None:
         mujoco.mj_step(model, data, nstep=steps)
     assert np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()
     assert not [warning.lastinfo for warning in data.warning if warning.number]
+
+
+@pytest.mark.parametrize("id", TASKS)
+@settings(slow, max_examples=3)
+@given(seed=SEEDS, held=st.sampled_from([1, 4, 25]))
+def test_a_thousand_steps_of_any_valid_body_are_finite_or_called_unstable(
+    id: str, seed: int, held: int
+) -> None:
+    """As in training: episodes start over, and what diverges is told from what is measured."""
+    task = get_task(id)
+    simulations = Simulations(task, random_body(task, seed), 2)
+    random = np.random.default_rng(seed)
+    try:
+        seen = simulations.reset(seed % 2**31)
+        assert np.isfinite(seen).all()
+        for step in range(STEPS):
+            if step % held == 0:
+                actions = random.choice([-1.0, 1.0], (2, simulations.action_size))
+            stepped = simulations.step(actions)
+            assert np.isfinite(stepped.reward).all()
+            assert np.isfinite(stepped.observation).all()
+            assert np.isfinite(stepped.final_observation).all()
+    except UnstableSimulation as error:
+        assert str(error)
+
+
+@pytest.mark.parametrize("id", TASKS)
+@quick
+@given(shares=st.lists(st.floats(0, 1), min_size=24, max_size=24))
+def test_anything_in_bounds_compiles_or_is_refused_in_words(id: str, shares: list[float]) -> None:
+    """Not only what passes the rules: the refusal names the rule and stops short of MuJoCo."""
+    task = get_task(id)
+    body = [at(p, share) for p, share in zip(task.parameters, shares, strict=False)]
+    try:
+        checked = task.check(body)
+    except InvalidMorphology as error:
+        assert len(str(error)) > 20
+        return
+    model = compile_model(task, checked)
+    assert task.volume(checked) > 0 and np.isfinite(model.body_mass).all()
 
 
 @pytest.mark.parametrize("id", TASKS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -109,6 +110,39 @@ def test_a_damaged_checkpoint_is_not_used(tmp_path: Path, damage: Callable[[Path
     save_checkpoint(tmp_path, Checkpoint({"a": 1}, {"b": np.ones(2)}, {"c": np.zeros(1)}))
     damage(tmp_path)
     assert load_checkpoint(tmp_path) is None
+
+
+@pytest.mark.parametrize("place", range(50))
+def test_a_checkpoint_damaged_anywhere_is_whole_or_not_used(tmp_path: Path, place: int) -> None:
+    numbers = np.random.default_rng(place).random((4, 30))
+    stored = Checkpoint({"a": [1.25, "b"], "rounds": 128}, {"b": numbers}, {"c": numbers[0]})
+    save_checkpoint(tmp_path, stored)
+    damage(tmp_path, random.Random(place))
+    found = load_checkpoint(tmp_path)
+    if found is not None:
+        assert found.facts == stored.facts
+        assert found.arrays["b"].tobytes() == numbers.tobytes()
+        assert found.environment["c"].tobytes() == numbers[0].tobytes()
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_a_training_with_a_damaged_checkpoint_ends_as_one_without(
+    tmp_path: Path, place: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    train = Training(CrossQ(SETTINGS), SETTINGS.snapshots)
+    train(320, checkpoint=tmp_path)
+    damage(tmp_path, random.Random(100 + place))
+    assert same(train(512, checkpoint=tmp_path), train(512))
+    assert "starting anew" in caplog.text
+
+
+def damage(folder: Path, choose: random.Random) -> None:
+    """Flip some bits of one byte in one of the files, or cut it off there."""
+    path = choose.choice(sorted(folder.iterdir()))
+    content = bytearray(path.read_bytes())
+    at = choose.randrange(len(content))
+    content[at] ^= choose.randrange(1, 256)
+    path.write_bytes(content[:at] if choose.random() < 0.3 else content)
 
 
 def test_a_writer_that_dies_leaves_the_old_checkpoint(

@@ -89,9 +89,10 @@ def evaluate(
             progress=progress,
         )
     if out is not None and evaluation.ok:
-        from robomore.store.champion import write_design
+        from robomore.store.champion import write_design, write_sums
 
         write_design(out, chosen, [evaluation])
+        write_sums(out)
     if as_json:
         data = msgspec.to_builtins(evaluation)
         # The job is long: whoever reads it with their eyes wants the outcome first.

@@ -71,7 +71,12 @@ def render(progress: Progress) -> RenderableType:
         f"  {run.preset}, designer {run.designer}, seed {run.seed}, "
         f"{_several(run.workers, 'worker')}",
     )
-    parts: list[RenderableType] = [title, Text(run.provenance, style="dim"), Text()]
+    parts: list[RenderableType] = [
+        title,
+        Text(run.provenance, style="dim"),
+        _cut(f"containment: {run.containment}", "dim"),
+        Text(),
+    ]
     if progress.stage:
         done = progress.asked - progress.open
         stage = Table.grid(padding=(0, 1))
@@ -120,6 +125,7 @@ class PlainLines:
                 f"{_several(event.workers, 'worker')}, into {event.folder}"
             )
             self._say(event.provenance)
+            self._say(f"containment: {event.containment}")
         elif isinstance(event, BatchBegan) and progress.stage != self._stage:
             self._stage = progress.stage
             self._say(f"{progress.stage} stage: {_several(progress.asked, 'evaluation')}")

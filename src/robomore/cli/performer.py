@@ -9,6 +9,7 @@ from pathlib import Path
 from robomore.cli.inputs import read_parameters, read_text
 from robomore.errors import InputError
 from robomore.store import RunFolder
+from robomore.store.champion import check_sums
 from robomore.tasks import Task, get_task
 from robomore.training.policy import MLPPolicy
 
@@ -57,6 +58,7 @@ def find_performer(path: Path) -> Performer:
 
 
 def _from_design(folder: Path, name: str) -> Performer:
+    check_sums(folder)
     file = folder / "design.json"
     text = read_text(file, "name a folder that `robomore run` wrote")
     try:

@@ -23,10 +23,10 @@ def doctor(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False
     from dataclasses import asdict
 
     from robomore.sandbox.layers import layers
-    from robomore.sandbox.lock import REQUIRED
+    from robomore.sandbox.layers import missing as missing_of
 
     found = layers()
-    missing = [layer.name for layer in found if layer.name in REQUIRED and not layer.active]
+    missing = [layer.name for layer in missing_of(found)]
     if as_json:
         write_json({"strict": not missing, "layers": [asdict(layer) for layer in found]})
     else:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
-from collections.abc import Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
 
+from robomore.errors import NoWorker, RunFolderError
 from robomore.evaluation.request import Request
 from robomore.events import BatchBegan, Finished, Observer, Progressed, Started, ignore
-from robomore.executors.executor import Done, Executor, Outcome
+from robomore.executors.executor import Done, Executor, Failed, Outcome, Progress
 from robomore.identity import content_key, derive_seed, job_key, training_key
 from robomore.settings import Budget
 from robomore.store.ledger import Ledger
 from robomore.store.rundir import RunFolder
+from robomore.training.policy import POLICY, MLPPolicy
 from robomore.types import Evaluation, Job, Limits, Place, Status, TrainerSettings, Trial
 
 _WORK = "robomore.evaluation.evaluate:work"
@@ -24,6 +27,10 @@ _GRACE_SECONDS = 300.0
 """What a worker may need beside training: compiling, measuring, writing."""
 _TRIES = 2
 """A process that dies may have been killed from outside; one that dies twice has a reason."""
+_SUSPECT = (Status.CRASHED, Status.FAILED)
+"""Ends that may be the machine's fault and not the design's."""
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(slots=True)
@@ -83,6 +90,32 @@ class Evaluator:
             missing = {key: job for key, job in missing.items() if key not in known}
         return [known[key] for key in keys]
 
+    def restore_policies(self, evaluations: Sequence[Evaluation]) -> None:
+        """Train again, to the same numbers, what has lost its policy to damage or to tidying.
+
+        Raises:
+            RunFolderError: another policy came of it, so that the file cannot be had again.
+        """
+        lost = {e.key: e for e in evaluations if e.artifact and not self._has_policy(e)}
+        jobs = {key: e.job for key, e in lost.items()}
+        with closing(self._trained(jobs, lambda index, steps: None)) as trained:
+            for again in trained:
+                before = lost[again.key]
+                if again.episode_fitness != before.episode_fitness:
+                    raise RunFolderError(
+                        f"{self.folder.artifacts / before.artifact} has no policy that can be "
+                        f"read, and training it again gave a fitness of {again.fitness} m in the "
+                        f"place of {before.fitness} m; restore it from a copy"
+                    )
+
+    def _has_policy(self, evaluation: Evaluation) -> bool:
+        try:
+            MLPPolicy.load(self.folder.artifacts / evaluation.artifact / POLICY)
+        except ValueError as error:
+            log.warning("%s; it is trained again", error)
+            return False
+        return True
+
     def _do(
         self,
         missing: dict[str, tuple[Job, Place]],
@@ -101,25 +134,36 @@ class Evaluator:
             else:
                 self.observe(Progressed(key, steps))
 
-        payloads = [
-            msgspec.json.encode(self._request(key, missing[key][0], leave_checkpoints))
-            for key in keys
-        ]
-        wall_seconds = max((job.limits.wall_seconds for job, _ in missing.values()), default=0.0)
-        timeout = wall_seconds + _GRACE_SECONDS
-        # Closed at once on Ctrl-C, so that no worker outlives its run.
-        with closing(self.executor.map(_WORK, payloads, progress, timeout)) as outcomes:
-            for index, outcome in outcomes:
-                job, place = missing[keys[index]]
-                evaluation = _evaluation(keys[index], job, outcome)
-                if evaluation.status is Status.CRASHED and not accept_crashes:
-                    continue
+        jobs = {key: job for key, (job, _) in missing.items()}
+        with closing(self._trained(jobs, progress, leave_checkpoints)) as trained:
+            for evaluation in trained:
+                if evaluation.status in _SUSPECT:
+                    self.folder.ensure_writable()
+                    if not accept_crashes:
+                        continue
                 self.ledger.add_evaluation(evaluation)
+                job, place = missing[evaluation.key]
                 if not leave_checkpoints:
                     shutil.rmtree(self._checkpoint(job), ignore_errors=True)
                 done[evaluation.key] = evaluation
                 self.observe(Finished(evaluation, place, known=False))
         return done
+
+    def _trained(
+        self, jobs: Mapping[str, Job], progress: Progress, leave_checkpoints: bool = False
+    ) -> Generator[Evaluation]:
+        """Yield the evaluation of each job, by key, as it is done. Nothing is written down."""
+        keys = list(jobs)
+        payloads = [
+            msgspec.json.encode(self._request(key, job, leave_checkpoints))
+            for key, job in jobs.items()
+        ]
+        wall_seconds = max((job.limits.wall_seconds for job in jobs.values()), default=0.0)
+        timeout = wall_seconds + _GRACE_SECONDS
+        # Closed at once on Ctrl-C, so that no worker outlives its run.
+        with closing(self.executor.map(_WORK, payloads, progress, timeout)) as outcomes:
+            for index, outcome in outcomes:
+                yield _evaluation(keys[index], jobs[keys[index]], outcome)
 
     def _request(self, key: str, job: Job, leave_checkpoint: bool) -> Request:
         checkpoint = self._checkpoint(job)
@@ -158,6 +202,11 @@ class Evaluator:
 
 
 def _evaluation(key: str, job: Job, outcome: Outcome) -> Evaluation:
+    if isinstance(outcome, Failed) and outcome.unstarted:
+        raise NoWorker(
+            f"{outcome.reason}; the same command goes on once it can, and everything that was "
+            "finished is kept"
+        )
     if isinstance(outcome, Done):
         return msgspec.json.decode(outcome.reply, type=Evaluation)
     status = Status.TIMED_OUT if outcome.timed_out else Status.CRASHED

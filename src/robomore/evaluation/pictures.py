@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,8 @@ from robomore.types import Evaluation
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+log = logging.getLogger(__name__)
 
 WIDTH, HEIGHT = 480, 360
 """Of the body's picture, in pixels."""
@@ -39,7 +42,10 @@ def pictures(task: Task, evaluation: Evaluation, artifacts: Path) -> list[bytes]
     found = [image(scene, frame_around(scene, WIDTH, HEIGHT))]
     policy = artifacts / evaluation.artifact / POLICY
     if evaluation.artifact and policy.is_file():
-        found.append(_strip(task, parameters, MLPPolicy.load(policy), evaluation.job.seed))
+        try:
+            found.append(_strip(task, parameters, MLPPolicy.load(policy), evaluation.job.seed))
+        except ValueError as error:
+            log.warning("no picture of how it moves: %s", error)
     return [_png(picture) for picture in found]
 
 

@@ -25,10 +25,12 @@ class Failed:
     Attributes:
         reason: what happened, for people.
         timed_out: the job used up its time.
+        unstarted: there was no process to run it, which is no fault of the job's.
     """
 
     reason: str
     timed_out: bool = False
+    unstarted: bool = False
 
 
 Outcome = Done | Failed

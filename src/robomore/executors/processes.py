@@ -102,8 +102,8 @@ class _Slot:
             said.put((index, 0))
             try:
                 outcome = self._run(Call(function, payload), index, said, timeout)
-            except OSError as error:
-                outcome = Failed(f"the worker process could not be used ({error})")
+            except Exception as error:  # noqa: BLE001  # or it would be waited for for ever
+                outcome = Failed(f"the worker process could not be used ({error})", unstarted=True)
             said.put((index, outcome))
 
     def close(self) -> None:

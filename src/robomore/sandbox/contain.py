@@ -114,7 +114,7 @@ def run_contained(
             )
         finally:
             os.close(reply_end)
-        follower = Follower(child, frames, page, scratch, limits, cpu_seconds)
+        follower = Follower(child, frames, page, folders, limits, cpu_seconds)
         follower.follow(json.dumps(header).encode() + b"\n" + payload, on_progress)
     if follower.refusal is not None:
         raise refused(follower.refusal)

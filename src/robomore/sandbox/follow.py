@@ -8,7 +8,7 @@ import re
 import selectors
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import IO
 
@@ -26,7 +26,7 @@ from robomore.types import Limits, Status
 _TICK = 0.2
 """Seconds between two looks at the child."""
 _LOOKS_PER_COUNT = 5
-"""The folder is counted, and the peak of memory read, at one look in so many."""
+"""The folders are counted, and the peak of memory read, at one look in so many."""
 _MOST_FILES = 10_000
 _TO_END = 2.0
 """Seconds that a child has to end after its last word."""
@@ -54,7 +54,7 @@ class Follower:
         child: Child,
         frames: IO[bytes],
         page: int,
-        folder: Path,
+        folders: Sequence[Path],
         limits: Limits,
         cpu_seconds: float,
     ) -> None:
@@ -66,10 +66,10 @@ class Follower:
         self._child = child
         self._arriving = frames
         self._page = memoryview(mmap.mmap(page, pulse.SIZE)).cast("Q")
-        self._folder = folder
+        self._folders = folders
         self._limits = limits
         self._cpu_seconds = cpu_seconds
-        self._watchdog = Watchdog(limits, cpu_seconds)
+        self._watchdog = Watchdog(limits, cpu_seconds, len(folders))
         self._frames = Frames()
         self._request = memoryview(b"")
         self._progress: int | None = None
@@ -184,7 +184,9 @@ class Follower:
     def _look(self, seconds: float) -> None:
         used = usage(self._child.pid)
         if self._looks % _LOOKS_PER_COUNT == 0:
-            self._on_disk = folder_bytes(self._folder, _MOST_FILES)
+            counts = [folder_bytes(folder, _MOST_FILES) for folder in self._folders]
+            known = [count for count in counts if count is not None]
+            self._on_disk = sum(known) if len(known) == len(counts) else None
             self.peak_memory = max(self.peak_memory, peak_memory(self._child.pid))
         if used is not None:
             self.peak_memory = max(self.peak_memory, used.memory)

@@ -61,6 +61,10 @@ def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[Any]]:
                 raise Suspicious(f"{path.name} is compressed")
             if sum(it.file_size for it in members) > most_bytes:
                 raise Suspicious(f"{path.name} claims more than {most_bytes:,} bytes")
+            # NumPy reads as many bytes as a header says, and a sum is looked at after the last.
+            if (broken := archive.testzip()) is not None:
+                raise Suspicious(f"{path.name} is damaged in {broken!r}")
+        content.seek(0)
         with np.load(content, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except Suspicious:

@@ -32,7 +32,7 @@ class Sight:
         progress: the latest progress told, `None` before any.
         printed: bytes printed so far.
         usage: what the kernel says of it, `None` where that cannot be read.
-        left_on_disk: bytes in its folder; `None` where there are too many files to count.
+        left_on_disk: bytes in its folders; `None` where there are too many files to count.
     """
 
     call: int
@@ -45,8 +45,10 @@ class Sight:
 class Watchdog:
     """Follows one child under `limits`; call `look` some times a second."""
 
-    def __init__(self, limits: Limits, cpu_seconds: float) -> None:
+    def __init__(self, limits: Limits, cpu_seconds: float, folders: int = 1) -> None:
         self._limits = limits
+        # A checkpoint is written beside the one before it.
+        self._most_on_disk = (1 + folders) * limits.file_bytes
         self._cpu_seconds = cpu_seconds
         self._elapsed = 0.0
         self._best: int | None = None
@@ -118,7 +120,7 @@ class Watchdog:
                 Status.REWARD_FAILED,
                 f"printed more than {_PRINTED_MOST >> 20} MiB; a reward must not print",
             )
-        most = 2 * self._limits.file_bytes
+        most = self._most_on_disk
         if sight.left_on_disk is None or sight.left_on_disk > most:
             return (
                 Status.REWARD_FAILED,

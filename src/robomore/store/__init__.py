@@ -9,5 +9,6 @@ from robomore.store.exchanges import LedgerExchanges
 from robomore.store.ledger import Ledger
 from robomore.store.manifest import Manifest, package_versions
 from robomore.store.rundir import RunFolder
+from robomore.store.salvage import whole_ledger
 
-__all__ = ["Ledger", "LedgerExchanges", "Manifest", "RunFolder", "package_versions"]
+__all__ = ["Ledger", "LedgerExchanges", "Manifest", "RunFolder", "package_versions", "whole_ledger"]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
 
+from robomore.errors import RunFolderError
 from robomore.store.rundir import RunFolder
 from robomore.tasks.task import Task
 from robomore.types import Evaluation
@@ -16,7 +18,7 @@ from robomore.types import Evaluation
 def save_champion(
     folder: RunFolder, task: Task, retrained: Sequence[Evaluation], objective: str
 ) -> None:
-    """Write `champion/`: design.json, reward.py, robot.xml and the best seed's policy.npz.
+    """Write `champion/`: design.json, reward.py, robot.xml, the best seed's policy.npz, and sums.
 
     Args:
         folder: of the run.
@@ -33,6 +35,7 @@ def save_champion(
         policy = folder.artifacts / best.artifact / "policy.npz"
         if policy.is_file():
             shutil.copyfile(policy, partial / "policy.npz")
+    write_sums(partial)
     shutil.rmtree(folder.champion, ignore_errors=True)
     partial.replace(folder.champion)
 
@@ -60,3 +63,39 @@ def write_design(path: Path, task: Task, evaluations: Sequence[Evaluation]) -> N
     )
     (path / "reward.py").write_text(design.reward.source)
     (path / "robot.xml").write_text(task.mjcf(design.morphology.parameters))
+
+
+def write_sums(path: Path) -> None:
+    """Write the SHA-256 of each file in the folder `path`, as `sha256sum --check` reads them."""
+    files = sorted(file for file in path.iterdir() if file.name != SUMS)
+    lines = [f"{_sum(file)}  {file.name}\n" for file in files]
+    (path / SUMS).write_text("".join(lines))
+
+
+def check_sums(path: Path) -> None:
+    """Refuse a folder whose files are not what was written into it; one without sums passes.
+
+    Raises:
+        RunFolderError: naming the file.
+    """
+    if not (path / SUMS).exists():
+        return
+    remedy = f"restore it from a copy, or remove {SUMS} if you changed it on purpose"
+    try:
+        lines = (path / SUMS).read_text(encoding="utf-8").splitlines()
+        sums = {name: sum for sum, _, name in (line.partition("  ") for line in lines)}
+        for file in sorted(path.iterdir()):
+            if file.name != SUMS and sums.get(file.name) != _sum(file):
+                raise RunFolderError(f"{file} does not match {SUMS}; {remedy}")
+        if missing := sorted(sums.keys() - {file.name for file in path.iterdir()}):
+            raise RunFolderError(f"{path / missing[0]} is missing; {remedy}")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RunFolderError(f"{path / SUMS} cannot be read ({error}); {remedy}") from None
+
+
+SUMS = "SHA256SUMS"
+
+
+def _sum(file: Path) -> str:
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()

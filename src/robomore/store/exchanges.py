@@ -6,9 +6,11 @@ import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 
+import msgspec
+
 from robomore.llm.exchange import Exchange, Spending
 from robomore.store.ledger import SCHEMA
-from robomore.store.rows import Rows
+from robomore.store.rows import Rows, digest
 
 
 class LedgerExchanges(Rows):
@@ -22,22 +24,23 @@ class LedgerExchanges(Rows):
         """Open the exchanges in the ledger at `path`.
 
         Raises:
-            LedgerError: damaged, or of a newer version.
+            LedgerError: damaged, or of another version.
+            StorageFailed: the disk is full, or cannot be written.
         """
         super().__init__(path, SCHEMA, read_only, durable=True)
         self._spent: Spending | None = None
 
     def find(self, key: str) -> Exchange | None:
         """Return the exchange of that key."""
-        return self._read("SELECT body, digest FROM exchanges WHERE key = ?", key, Exchange)
+        for _, body, _ in self._select("SELECT * FROM exchanges WHERE key = ?", (key,)):
+            return self._decode(body, Exchange)
+        return None
 
     def add(self, exchange: Exchange) -> None:
         """Keep a new exchange; it is on the disk once this returns."""
         with self._lock:
             spent = self.spent()
-            self._write(
-                "INSERT OR REPLACE INTO exchanges VALUES (?, ?, ?, ?)", exchange.key, exchange
-            )
+            self._insert("exchanges", exchange.key, msgspec.json.encode(exchange))
             self._spent = spent + Spending.of([exchange])
 
     def judge(self, key: str, findings: Sequence[str]) -> None:
@@ -47,20 +50,22 @@ class LedgerExchanges(Rows):
             KeyError: there is none of that key.
         """
         with self._lock:
-            kept = self.find(key)
+            kept = next(self._select("SELECT * FROM exchanges WHERE key = ?", (key,)), None)
             if kept is None:
                 raise KeyError(key)
-            judged = dataclasses.replace(kept, findings=tuple(findings))
-            self._write(
-                "UPDATE exchanges SET body = ?2, digest = ?3, time = coalesce(time, ?4) "
-                "WHERE key = ?1",
-                key,
-                judged,
+            _, body, at = kept
+            judged = dataclasses.replace(self._decode(body, Exchange), findings=tuple(findings))
+            body = msgspec.json.encode(judged)
+            # The row keeps its number, and so its place in the order.
+            self._execute(
+                "UPDATE exchanges SET body = ?, digest = ? WHERE key = ?",
+                (body, digest((key, body, at)), key),
             )
 
     def all(self) -> list[Exchange]:
         """Return all exchanges, oldest first."""
-        return list(self._all("SELECT body, digest FROM exchanges ORDER BY rowid", Exchange))
+        rows = self._select("SELECT * FROM exchanges ORDER BY rowid")
+        return [self._decode(body, Exchange) for _, body, _ in rows]
 
     def spent(self) -> Spending:
         """Return what all exchanges took together, in earlier processes too."""

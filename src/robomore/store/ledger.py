@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from robomore.errors import RoboMoReError
 from robomore.events import Cut, Observer
 from robomore.events import Event as Happening
-from robomore.store.rows import Rows, digest
+from robomore.store.rows import Rows
 from robomore.types import Evaluation, Morphology, Place, Reward, Slot
 
-SCHEMA = 1
+SCHEMA = 2
 """Raised when the tables change."""
 
 _TABLES = """
-CREATE TABLE evaluations (key TEXT PRIMARY KEY, body BLOB, digest BLOB, time REAL) STRICT;
-CREATE TABLE places (place TEXT PRIMARY KEY, evaluation TEXT, seq INTEGER) STRICT;
+CREATE TABLE evaluations (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
+CREATE TABLE places
+  (place TEXT PRIMARY KEY, evaluation TEXT, seq INTEGER, time REAL, digest BLOB) STRICT;
 CREATE TABLE proposals
-  (slot TEXT PRIMARY KEY, given TEXT, body BLOB, digest BLOB, time REAL) STRICT;
-CREATE TABLE exchanges (key TEXT PRIMARY KEY, body BLOB, digest BLOB, time REAL) STRICT;
-CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL) STRICT;
+  (slot TEXT PRIMARY KEY, given TEXT, body BLOB, time REAL, digest BLOB) STRICT;
+CREATE TABLE exchanges (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
+CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL, digest BLOB) STRICT;
 """
+TABLES = ("evaluations", "places", "proposals", "exchanges", "events")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,72 +58,79 @@ class Ledger(Rows):
         """Open the ledger at `path`, or make one.
 
         Raises:
-            LedgerError: damaged, or of a newer version.
+            LedgerError: a row of it is damaged, or it is of another version.
+            StorageFailed: the disk is full, or cannot be written.
         """
         super().__init__(path, SCHEMA, read_only, durable=False)
-        if self._version == 0 and not read_only:
-            self._script(f"BEGIN; {_TABLES} PRAGMA user_version={SCHEMA}; COMMIT;")
+        try:
+            if self._version == 0:
+                self._script(f"BEGIN; {_TABLES} PRAGMA user_version={SCHEMA}; COMMIT;")
+            for table in TABLES:
+                for _ in self._select(f"SELECT * FROM {table}"):
+                    pass
+        except RoboMoReError:
+            self.close()
+            raise
 
     # Evaluations ---------------------------------------------------------------------------------
 
     def evaluation(self, key: str) -> Evaluation | None:
         """Return the evaluation of that key, if it was done."""
-        return self._read("SELECT body, digest FROM evaluations WHERE key = ?", key, Evaluation)
+        for _, body, _ in self._select("SELECT * FROM evaluations WHERE key = ?", (key,)):
+            return self._decode(body, Evaluation)
+        return None
 
     def add_evaluation(self, evaluation: Evaluation) -> None:
-        self._write(
-            "INSERT OR REPLACE INTO evaluations VALUES (?, ?, ?, ?)", evaluation.key, evaluation
-        )
+        self._insert("evaluations", evaluation.key, msgspec.json.encode(evaluation))
 
     def add_place(self, place: Place, key: str) -> None:
         """Note that the search asked for an evaluation in this place."""
-        self._execute(
-            "INSERT INTO places VALUES (?, ?, (SELECT coalesce(max(seq), 0) + 1 FROM places)) "
-            "ON CONFLICT (place) DO UPDATE SET evaluation = excluded.evaluation",
-            (msgspec.json.encode(place).decode(), key),
-        )
+        name = msgspec.json.encode(place).decode()
+        with self._lock:
+            known = list(self._select("SELECT * FROM places WHERE place = ?", (name,)))
+            if known and known[0][1] == key:
+                return
+            (last,) = self._execute("SELECT coalesce(max(seq), 0) FROM places")[0]
+            self._insert("places", name, key, known[0][2] if known else last + 1)
 
     def placed(self) -> list[tuple[Place, Evaluation]]:
         """Return every evaluation in each place it was asked for, in the order of asking."""
-        rows = self._execute("SELECT place, evaluation FROM places ORDER BY seq")
         found = []
-        for place, key in rows:
+        for place, key, *_ in self._select("SELECT * FROM places ORDER BY seq"):
             evaluation = self.evaluation(key)
             if evaluation is not None:
-                found.append((self._decode(place.encode(), Place), evaluation))
+                found.append((self._decode(place, Place), evaluation))
         return found
 
     def evaluations(self) -> list[Evaluation]:
         """Return all evaluations, oldest first."""
-        query = "SELECT body, digest FROM evaluations ORDER BY rowid"
-        return list(self._all(query, Evaluation))
+        rows = self._select("SELECT * FROM evaluations ORDER BY rowid")
+        return [self._decode(body, Evaluation) for _, body, _ in rows]
 
     # Proposals -----------------------------------------------------------------------------------
 
     def proposal(self, slot: Slot, given: str) -> Proposal | None:
         """Return what was proposed in `slot` from the same input (`given` is its content key)."""
-        query = "SELECT body, digest FROM proposals WHERE slot = ? AND given = ?"
-        return self._read(query, (msgspec.json.encode(slot).decode(), given), Proposal)
+        query = "SELECT * FROM proposals WHERE slot = ? AND given = ?"
+        for _, _, body, _ in self._select(query, (msgspec.json.encode(slot).decode(), given)):
+            return self._decode(body, Proposal)
+        return None
 
     def add_proposal(self, proposal: Proposal, given: str) -> None:
-        body = msgspec.json.encode(proposal)
         slot = msgspec.json.encode(proposal.slot).decode()
-        self._execute(
-            "INSERT OR REPLACE INTO proposals VALUES (?, ?, ?, ?, ?)",
-            (slot, given, body, digest(body), time.time()),
-        )
+        self._insert("proposals", slot, given, msgspec.json.encode(proposal))
 
     def proposals(self) -> list[Proposal]:
         """Return all proposals, oldest first."""
-        return list(self._all("SELECT body, digest FROM proposals ORDER BY rowid", Proposal))
+        rows = self._select("SELECT * FROM proposals ORDER BY rowid")
+        return [self._decode(body, Proposal) for _, _, body, _ in rows]
 
     # Events --------------------------------------------------------------------------------------
 
     def add_event(self, kind: str, **body: Any) -> None:
-        self._execute(
-            "INSERT INTO events (kind, body, time) VALUES (?, ?, ?)",
-            (kind, msgspec.json.encode(body), time.time()),
-        )
+        with self._lock:
+            (last,) = self._execute("SELECT coalesce(max(seq), 0) FROM events")[0]
+            self._insert("events", last + 1, kind, msgspec.json.encode(body))
 
     def noting(self, observe: Observer) -> Observer:
         """Return an observer that passes everything on, and writes down once who was cut."""
@@ -142,5 +151,5 @@ class Ledger(Rows):
         return sorted(found, key=lambda cut: cut.steps)
 
     def events(self) -> list[Event]:
-        rows = self._execute("SELECT kind, body, time FROM events ORDER BY seq")
-        return [Event(kind, self._decode(body, dict[str, Any]), at) for kind, body, at in rows]
+        rows = self._select("SELECT * FROM events ORDER BY seq")
+        return [Event(kind, self._decode(body, dict[str, Any]), at) for _, kind, body, at in rows]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import platform
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
@@ -13,8 +14,11 @@ import msgspec
 from robomore.errors import RunFolderError
 from robomore.settings import RunSettings
 
-FORMAT = 1
+FORMAT = 2
 """Raised when a run folder's layout changes."""
+
+_DIGEST = "digest"
+"""Stands last in the file: half of the SHA-256 of all the rest, by which damage is found."""
 
 _RELEVANT = ("robomore", "mujoco", "gymnasium", "jax", "jaxlib", "numpy")
 
@@ -53,9 +57,10 @@ class Manifest:
 
     def save(self, path: Path) -> None:
         """Write the manifest as JSON, whole or not at all."""
-        text = msgspec.json.format(msgspec.json.encode(self), indent=2)
+        fields = msgspec.json.decode(msgspec.json.encode(self))
+        text = msgspec.json.encode(fields | {_DIGEST: _digest(fields)})
         partial = path.with_suffix(".partial")
-        partial.write_bytes(text + b"\n")
+        partial.write_bytes(msgspec.json.format(text, indent=2) + b"\n")
         partial.replace(path)
 
     @classmethod
@@ -63,22 +68,26 @@ class Manifest:
         """Read a manifest.
 
         Raises:
-            RunFolderError: it is damaged, or was written by a newer version.
+            RunFolderError: it is damaged, or was written by another version.
         """
         try:
-            data = path.read_bytes()
-            found = msgspec.json.decode(data, type=dict[str, object]).get("format")
-            if isinstance(found, int) and found > FORMAT:
+            fields = msgspec.json.decode(path.read_bytes(), type=dict[str, Any])
+            found = fields.get("format")
+            if isinstance(found, int) and found != FORMAT:
+                remedy = "a newer RoboMoRe" if found > FORMAT else "the RoboMoRe that wrote it"
                 raise RunFolderError(
-                    f"{path} has format {found}, this version of RoboMoRe reads up to {FORMAT}; "
-                    "install a newer RoboMoRe"
+                    f"{path} has format {found}, this version of RoboMoRe reads {FORMAT}; "
+                    f"install {remedy}, or choose another folder with --out"
                 )
-            return msgspec.json.decode(data, type=cls)
+            if fields.pop(_DIGEST, None) != _digest(fields):
+                raise ValueError("it does not match its digest")
+            return msgspec.convert(fields, cls)
         except OSError as error:
             raise RunFolderError(f"{path} cannot be read ({error.strerror})") from None
-        except msgspec.DecodeError as error:
+        except (ValueError, RecursionError) as error:
             raise RunFolderError(
-                f"{path} is damaged ({error}); choose another folder with --out"
+                f"{path} is damaged ({error}); restore it from a copy, or choose another folder "
+                "with --out"
             ) from None
 
     def refuse_other(self, asked: Manifest, folder: Path) -> None:
@@ -112,3 +121,7 @@ class Manifest:
 def _difference(mine: dict[str, Any], theirs: dict[str, Any]) -> str:
     changed = sorted(k for k in mine | theirs if mine.get(k) != theirs.get(k))
     return ", ".join(f"{k} {mine.get(k)} there, {theirs.get(k)} here" for k in changed)
+
+
+def _digest(fields: dict[str, Any]) -> str:
+    return hashlib.sha256(msgspec.json.encode(fields, order="deterministic")).hexdigest()[:32]

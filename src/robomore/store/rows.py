@@ -1,21 +1,23 @@
-"""Rows of JSON in one SQLite file, each with a digest: damage is found and never believed."""
+"""Rows in one SQLite file, each with a digest of itself: damage is found and never believed.
+
+SQLite notices damage to its own structure; a bit that flips inside a number it hands on. So the
+last column of every table is a digest of all the others, and a row is read only where they agree.
+"""
 
 from __future__ import annotations
 
 import hashlib
-import sqlite3
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
 
-from robomore.errors import LedgerError
-
-_PATIENCE_SECONDS = 60.0
-"""How long one connection of a run waits for another one's commit."""
+from robomore.errors import LedgerDamaged, LedgerError, RoboMoReError, StorageFailed
+from robomore.store.opening import BROKEN, DAMAGE, DamageError, open_to_read, open_to_write
 
 T = TypeVar("T")
 
@@ -33,75 +35,110 @@ class Rows:
             durable: a commit survives the machine, not only the process.
 
         Raises:
-            LedgerError: damaged, or of a newer version.
+            LedgerError: damaged, or of another version.
+            StorageFailed: it cannot be opened now.
         """
         self._path = path
         self._lock = threading.RLock()
+        self._open = ExitStack()
         try:
-            name = f"{path.absolute().as_uri()}?mode=ro" if read_only else str(path)
-            self._db = sqlite3.connect(
-                name, timeout=_PATIENCE_SECONDS, uri=read_only, check_same_thread=False
-            )
-            if not read_only:
-                # Readers never wait for the writer, and a commit survives the process being killed.
-                self._db.execute("PRAGMA journal_mode=WAL")
-                self._db.execute(f"PRAGMA synchronous={'FULL' if durable else 'NORMAL'}")
+            if read_only:
+                self._db = open_to_read(path, self._open)
+            else:
+                self._db = open_to_write(path, durable, self._open)
             (self._version,) = self._db.execute("PRAGMA user_version").fetchone()
-        except sqlite3.Error as error:
-            raise self._damaged(error) from None
-        if self._version > schema:
-            raise LedgerError(
-                f"{path} has version {self._version}, this RoboMoRe reads up to {schema}; "
-                "install a newer RoboMoRe"
-            )
+            self._refuse_other(schema)
+            found = self._db.execute("PRAGMA integrity_check(1)").fetchone()
+            if found != ("ok",):
+                raise self.damaged(found[0] if found else "its structure is broken")
+        except (*BROKEN, DamageError) as error:
+            self._open.close()
+            raise self._failure(error) from None
+        except RoboMoReError:
+            self._open.close()
+            raise
 
     def close(self) -> None:
-        self._db.close()
+        self._open.close()
+
+    def damaged(self, reason: object) -> LedgerDamaged:
+        """Return what is said where the file is not what was written."""
+        return LedgerDamaged(
+            f"the ledger {self._path} is damaged ({_in_one_line(reason)}); start its run again "
+            "with the same command, which keeps every row that is whole and does the rest again"
+        )
+
+    def restore(self, table: str, row: tuple[Any, ...]) -> None:
+        """Write one row that has its time and digest already."""
+        places = ", ".join("?" * len(row))
+        self._execute(f"INSERT OR REPLACE INTO {table} VALUES ({places})", row)
+
+    def _refuse_other(self, schema: int) -> None:
+        if self._version > schema:
+            raise LedgerError(
+                f"{self._path} has version {self._version}, this RoboMoRe reads up to {schema}; "
+                "install a newer RoboMoRe"
+            )
+        if 0 < self._version < schema:
+            raise LedgerError(
+                f"{self._path} has version {self._version}, this RoboMoRe reads {schema}; install "
+                "the RoboMoRe that wrote it, or start anew with another --out"
+            )
 
     def _script(self, statements: str) -> None:
         try:
             self._db.executescript(statements)
-        except sqlite3.Error as error:
-            raise self._damaged(error) from None
+        except BROKEN as error:
+            raise self._failure(error) from None
 
-    def _write(self, query: str, key: str, value: Any) -> None:
-        """Run a query with four places: key, body, digest and time."""
-        body = msgspec.json.encode(value)
-        self._execute(query, (key, body, digest(body), time.time()))
+    def _insert(self, table: str, *columns: Any) -> None:
+        """Write one row, in the place of one with the same key; time and digest are added."""
+        row = (*columns, time.time())
+        self.restore(table, (*row, digest(row)))
 
-    def _read(self, query: str, key: str | tuple[str, ...], kind: type[T]) -> T | None:
-        rows = self._execute(query, key if isinstance(key, tuple) else (key,))
-        return self._checked(rows[0], kind) if rows else None
+    def _select(self, query: str, values: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+        """Yield the rows of a `SELECT *`, without their digests, once those have been checked."""
+        for *row, expected in self._execute(query, values):
+            if digest(row) != expected:
+                raise self.damaged("a row does not match its digest")
+            yield tuple(row)
 
-    def _all(self, query: str, kind: type[T]) -> Iterator[T]:
-        return (self._checked(row, kind) for row in self._execute(query))
-
-    def _checked(self, row: tuple[bytes, bytes], kind: type[T]) -> T:
-        body, expected = row
-        if not isinstance(body, bytes) or digest(body) != expected:
-            raise self._damaged("a row does not match its digest")
-        return self._decode(body, kind)
-
-    def _decode(self, body: bytes, kind: type[T]) -> T:
+    def _decode(self, body: bytes | str, kind: type[T]) -> T:
         try:
             return msgspec.json.decode(body, type=kind)
-        except msgspec.DecodeError as error:
-            raise self._damaged(error) from None
+        except (msgspec.DecodeError, UnicodeDecodeError) as error:
+            raise self.damaged(error) from None
 
     def _execute(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:
         try:
             with self._lock, self._db:
                 return self._db.execute(query, values).fetchall()
-        except sqlite3.Error as error:
-            raise self._damaged(error) from None
+        except BROKEN as error:
+            raise self._failure(error) from None
 
-    def _damaged(self, reason: object) -> LedgerError:
-        return LedgerError(
-            f"the ledger {self._path} cannot be used ({reason}); free disk space if it is full, "
-            "restore the file from a copy, or start anew with another --out"
+    def _failure(self, error: Exception) -> RoboMoReError:
+        """Tell damage from a disk that is full, or a medium that cannot be written."""
+        code = getattr(error, "sqlite_errorcode", None)
+        if code is None or code in DAMAGE or code & 0xFF in DAMAGE:
+            return self.damaged(error)
+        return StorageFailed(
+            f"the ledger {self._path} cannot be used now ({_in_one_line(error)}); free disk space "
+            "or make the folder writable, then the same command goes on: everything that was "
+            "finished is kept"
         )
 
 
-def digest(body: bytes) -> bytes:
-    """Return what stands beside a row's body: the first half of its SHA-256."""
-    return hashlib.sha256(body).digest()[:16]
+def digest(columns: Iterable[Any]) -> bytes:
+    """Return what stands last in a row: the first half of the SHA-256 of its other columns.
+
+    Each is preceded by its length, so that no two rows have one text.
+    """
+    text = hashlib.sha256()
+    for column in columns:
+        part = column if isinstance(column, bytes) else repr(column).encode()
+        text.update(len(part).to_bytes(8, "little") + part)
+    return text.digest()[:16]
+
+
+def _in_one_line(reason: object) -> str:
+    return " ".join(str(reason).split())

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
+from contextlib import suppress
 from pathlib import Path
 
-from robomore.errors import RunFolderError
+from robomore.errors import RunFolderError, StorageFailed
 from robomore.store.manifest import Manifest
+
+_PROBE_BYTES = 4 * 2**20
 
 
 class RunFolder:
@@ -18,7 +22,7 @@ class RunFolder:
     artifacts/KEY/    policy.npz of an evaluation
     checkpoints/      trainings that rest between two rungs of screening
     scratch/          what is being trained right now; empty when nothing runs
-    champion/         the answer: design.json, reward.py, robot.xml, policy.npz
+    champion/         the answer: design.json, reward.py, robot.xml, policy.npz, SHA256SUMS
     report.html       the answer as a page
     lock              held while the run goes on
     ```
@@ -61,6 +65,9 @@ class RunFolder:
         folder = cls(path)
         try:
             folder.artifacts.mkdir(parents=True, exist_ok=True)
+            # SQLite opens what it may not write to, and says nothing before it has to write.
+            folder._probe.touch()
+            folder._probe.unlink()
             folder._hold_lock()
             if folder.manifest.exists():
                 Manifest.load(folder.manifest).refuse_other(asked, path)
@@ -80,11 +87,36 @@ class RunFolder:
             raise
         return folder
 
+    def ensure_writable(self) -> None:
+        """Make sure that what went wrong is not the disk's fault, before a design is blamed.
+
+        Raises:
+            StorageFailed: no file of a policy's size can be written now.
+        """
+        try:
+            with self._probe.open("wb") as file:
+                file.write(bytes(_PROBE_BYTES))
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise StorageFailed(
+                f"cannot write to {self.path} ({error.strerror}); free disk space or make the "
+                "folder writable, then the same command goes on: everything that was finished is "
+                "kept"
+            ) from None
+        finally:
+            with suppress(OSError):
+                self._probe.unlink(missing_ok=True)
+
     def release(self) -> None:
         """Let go of the lock."""
         if self._held is not None:
             self._held.close()
             self._held = None
+
+    @property
+    def _probe(self) -> Path:
+        return self.path / "probe.partial"
 
     def _hold_lock(self) -> None:
         """Take the folder for this process.

@@ -1,11 +1,13 @@
 """A training at rest: a folder with one JSON file and the arrays it names, no code in either.
 
 The JSON file is replaced in one step once the arrays it names are on disk, so a reader meets the
-old checkpoint or the new one, whenever the writer dies.
+old checkpoint or the new one, whenever the writer dies. It carries digests of the arrays and of
+itself, so that a damaged checkpoint is none, and alters no number.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import logging
 from dataclasses import dataclass
@@ -19,7 +21,7 @@ from numpy.typing import NDArray
 log = logging.getLogger(__name__)
 
 INDEX = "checkpoint.json"
-VERSION = 1
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,9 @@ def save_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
         plain: dict[str, Any] = {key: np.asarray(value) for key, value in arrays.items()}
         np.savez(folder / name, allow_pickle=False, **plain)
     index = {"version": VERSION, "generation": generation, "facts": checkpoint.facts, **files}
+    index["digests"] = {part: _file_digest(folder / name) for part, name in files.items()}
     temporary = folder / f"{INDEX}.new"
-    temporary.write_text(json.dumps(index), encoding="utf-8")
+    temporary.write_text(json.dumps(index | {"digest": _digest(index)}), encoding="utf-8")
     temporary.replace(folder / INDEX)
     for path in folder.glob("*.npz"):
         if path.name not in files.values():
@@ -64,20 +67,34 @@ def load_checkpoint(folder: Path) -> Checkpoint | None:
     try:
         parts = []
         for part in ("arrays", "environment"):
+            if _file_digest(folder / index[part]) != index["digests"][part]:
+                raise ValueError(f"{index[part]} does not match its digest")
             with np.load(folder / index[part], allow_pickle=False) as stored:
                 parts.append({name: stored[name] for name in stored.files})
     except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-        log.warning("the checkpoint in %s cannot be read (%s)", folder, error)
+        log.warning("the checkpoint in %s cannot be read (%s); starting anew", folder, error)
         return None
     return Checkpoint(index["facts"], *parts)
 
 
 def _index(folder: Path) -> dict[str, Any] | None:
+    """Return what the JSON file says, `None` where there is none or it is not what was written."""
     try:
         index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
+        if not isinstance(index, dict) or index.pop("digest", None) != _digest(index):
+            raise ValueError("it does not match its digest")
     except FileNotFoundError:
         return None
-    except (OSError, ValueError) as error:
-        log.warning("the checkpoint in %s cannot be read (%s)", folder, error)
+    except (OSError, ValueError, RecursionError) as error:
+        log.warning("the checkpoint in %s cannot be read (%s); starting anew", folder, error)
         return None
     return index if index.get("version") == VERSION else None
+
+
+def _digest(index: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(index, sort_keys=True).encode()).hexdigest()
+
+
+def _file_digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,0 +1,100 @@
+"""Opening a ledger's file: to go on writing, or to look at it wherever it lies."""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+_PATIENCE_SECONDS = 60.0
+"""How long one connection of a run waits for another one's commit."""
+
+DAMAGE = frozenset(
+    (
+        sqlite3.SQLITE_ERROR,  # a table that is gone, a statement in the file that is none
+        sqlite3.SQLITE_CORRUPT,
+        sqlite3.SQLITE_NOTADB,
+        sqlite3.SQLITE_MISMATCH,
+        sqlite3.SQLITE_CONSTRAINT,
+        sqlite3.SQLITE_TOOBIG,
+        sqlite3.SQLITE_NOMEM,  # asked for by a length that is none
+        sqlite3.SQLITE_IOERR_READ,
+        sqlite3.SQLITE_IOERR_SHORT_READ,
+    )
+)
+"""SQLite's codes for a file that is not what was written. Others blame the disk or the medium."""
+
+BROKEN = (sqlite3.Error, OverflowError, UnicodeDecodeError)
+"""What reading a damaged file may raise; the others where a name or a number makes no sense."""
+
+BESIDE = ("-wal", "-shm")
+"""What SQLite keeps beside a file that is open, or whose process was killed."""
+
+
+class DamageError(Exception):
+    """The file is none that a run has begun."""
+
+
+def open_to_write(path: Path, durable: bool, stack: ExitStack) -> sqlite3.Connection:
+    """Return a connection to the file at `path`, which is made if it is missing.
+
+    Args:
+        path: of the file.
+        durable: a commit survives the machine, not only the process.
+        stack: closes it.
+    """
+    db = _connected(str(path), stack)
+    # Readers never wait for the writer, and a commit survives the process being killed.
+    db.execute("PRAGMA journal_mode=WAL")
+    db.execute(f"PRAGMA synchronous={'FULL' if durable else 'NORMAL'}")
+    return db
+
+
+def open_to_read(path: Path, stack: ExitStack) -> sqlite3.Connection:
+    """Return a connection that changes nothing, on a medium that cannot be written too.
+
+    SQLite reads a file in WAL mode only where it may make files beside it, or where they are there
+    already. Where neither is so, a copy is read: to look at the file without its log, as SQLite's
+    `immutable` does, would leave out what a killed run wrote last.
+
+    Args:
+        path: of the file.
+        stack: closes the connection and removes the copy.
+
+    Raises:
+        DamageError: nothing has been written yet.
+    """
+    try:
+        return _begun(_connected(f"{path.absolute().as_uri()}?mode=ro", stack, uri=True))
+    except sqlite3.OperationalError as error:
+        if error.sqlite_errorcode & 0xFF not in _NOT_WRITABLE or not path.is_file():
+            raise
+    folder = Path(stack.enter_context(TemporaryDirectory(prefix="robomore-")))
+    copy = copy_ledger(path, folder / path.name)
+    return _begun(_connected(str(copy), stack))
+
+
+def copy_ledger(path: Path, copy: Path) -> Path:
+    """Copy the file with what its log holds; returns `copy`."""
+    shutil.copyfile(path, copy)
+    log = path.with_name(path.name + "-wal")
+    if log.is_file():
+        shutil.copyfile(log, copy.with_name(copy.name + "-wal"))
+    return copy
+
+
+_NOT_WRITABLE = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
+
+
+def _connected(name: str, stack: ExitStack, uri: bool = False) -> sqlite3.Connection:
+    db = sqlite3.connect(name, timeout=_PATIENCE_SECONDS, uri=uri, check_same_thread=False)
+    stack.callback(db.close)
+    return db
+
+
+def _begun(db: sqlite3.Connection) -> sqlite3.Connection:
+    if db.execute("PRAGMA user_version").fetchone() == (0,):
+        raise DamageError("nothing has been written into it yet")
+    return db

@@ -1,0 +1,226 @@
+"""A disk that is full, a medium that cannot be written: one line, and nothing finished is lost."""
+
+from __future__ import annotations
+
+import json
+import resource
+import shutil
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from processes import descendants, kill
+from quick_run import SMOKE, command, ended, environment
+from remains import rows, same_run
+from told import Command, Said, facts, refused
+
+from robomore.evaluation import evaluator
+from robomore.sandbox.layers import strict_is_possible
+from robomore.store import Ledger, RunFolder
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of its own, as small as `resize` makes it."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    made = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=64k", "none", str(folder)],
+        capture_output=True,
+        check=False,
+    )
+    if made.returncode:
+        pytest.skip("this user cannot mount a file system; the limit on file sizes stands in")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+def resize(folder: Path, options: str) -> None:
+    subprocess.run(["mount", "-o", f"remount,{options}", str(folder)], check=True)
+
+
+@pytest.mark.parametrize("kib", (20, 260, 380, 420))
+def test_a_full_disk_stops_a_run_that_goes_on_once_there_is_space(
+    kib: int, small_disk: Path, undisturbed: Path
+) -> None:
+    resize(small_disk, f"size={kib}k")
+    out = small_disk / "run"
+    done = ended(*SMOKE, "--workers", "2", "--out", out)
+    if done.returncode:
+        stopped(done)
+        finished = rows(out)
+    resize(small_disk, "size=64m")
+    again = ended(*SMOKE, "--workers", "2", "--out", out)
+    assert again.returncode == 0, again.stderr
+    assert not done.returncode or finished.items() <= rows(out).items()
+    same_run(out, undisturbed)
+    resize(small_disk, "ro")
+    shown = ended("show", out, "--json")
+    assert shown.returncode == 0, shown.stderr
+    resize(small_disk, "rw")
+
+
+@pytest.mark.parametrize("kib", (8, 48))
+def test_files_that_may_not_grow_stop_a_run_in_the_same_way(
+    kib: int, tmp_path: Path, undisturbed: Path
+) -> None:
+    out = tmp_path / "run"
+    bytes_ = kib * 1024
+    done = subprocess.run(
+        command(*SMOKE, "--workers", "2", "--out", out),
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_, bytes_)),
+    )
+    stopped(done)
+    finished = rows(out)
+    again = ended(*SMOKE, "--workers", "2", "--out", out)
+    assert again.returncode == 0, again.stderr
+    assert finished.items() <= rows(out).items()
+    same_run(out, undisturbed)
+
+
+def stopped(done: subprocess.CompletedProcess[str]) -> None:
+    """It says in one line that it cannot write, and blames no design."""
+    assert done.returncode in (1, 2), done.stderr
+    assert done.stderr.startswith("robomore: ") and done.stderr.count("\n") == 1, done.stderr
+    assert "candidates failed" not in done.stderr
+    assert "fault of RoboMoRe" not in done.stderr
+    assert "write" in done.stderr or "space" in done.stderr or "disk" in done.stderr, done.stderr
+
+
+READ_ONLY = textwrap.dedent(
+    """
+    import ctypes, os, sys
+    from robomore import experiment
+    from robomore.cli import main
+    from robomore.sandbox import landlock
+    # It cannot start the process that would try the layers out.
+    experiment._containment = lambda asked, ours: (experiment.Containment(asked), "")
+    ctypes.CDLL(None).prctl(38, 1, 0, 0, 0)  # no new privileges
+    landlock.restrict(["/"], [os.environ["TMPDIR"], "/dev/null"])
+    sys.exit(main())
+    """
+)
+
+
+def read_only(tmp_path: Path, *arguments: str | Path) -> Said:
+    """Run a command that cannot write but to a folder for temporary files; holds for root too."""
+    elsewhere = tmp_path / "temporary"
+    elsewhere.mkdir(exist_ok=True)
+    done = subprocess.run(
+        [sys.executable, "-c", READ_ONLY, *map(str, arguments)],
+        env={**environment(), "TMPDIR": str(elsewhere)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert not list(elsewhere.iterdir()), "copies were left behind"
+    return Said(done.returncode, done.stdout, done.stderr)
+
+
+needs_landlock = pytest.mark.skipif(
+    not strict_is_possible(), reason="only Landlock keeps root from writing"
+)
+
+
+@needs_landlock
+@pytest.mark.parametrize("log", ["none", "empty", "killed"])
+def test_a_run_on_a_read_only_medium_can_be_looked_at(
+    log: str, undisturbed: Path, tmp_path: Path, robomore_: Command
+) -> None:
+    out = tmp_path / "run"
+    if log == "killed":
+        killed_run(out)
+    else:
+        shutil.copytree(undisturbed, out)
+        for path in out.glob("ledger.sqlite-*"):
+            path.unlink()
+    if log == "empty":
+        (out / "ledger.sqlite-wal").write_bytes(b"")
+    for path in out.glob("ledger.sqlite-shm"):
+        path.unlink()
+    shown = read_only(tmp_path, "show", out, "--json")
+    assert shown.status == 0, shown.err
+    assert facts(shown.out) == facts(robomore_("show", out, "--json").out)
+    count = sum(json.loads(shown.out)["evaluations"].values())
+    assert count == len(rows(out)) >= 3
+
+
+@needs_landlock
+@pytest.mark.parametrize("there", [True, False])
+def test_a_run_is_not_started_where_it_cannot_be_written(
+    there: bool, undisturbed: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "run"
+    if there:
+        shutil.copytree(undisturbed, out)
+    said = read_only(tmp_path, *SMOKE, "--out", out)
+    refused(said, "made read-only")
+    assert "cannot write" in said.err
+    if there:
+        refused(read_only(tmp_path, "report", out), "made read-only")
+
+
+def killed_run(out: Path) -> None:
+    """Leave a run that was killed while it went on, its log full."""
+    life = subprocess.Popen(
+        command(*SMOKE, "--workers", "2", "--out", out), env=environment(), start_new_session=True
+    )
+    try:
+        deadline = time.monotonic() + 60
+        while len(rows(out)) < 3 and time.monotonic() < deadline:
+            time.sleep(0.02)
+    finally:
+        kill(life.pid, *descendants(life.pid))
+        life.wait()
+    assert (out / "ledger.sqlite-wal").stat().st_size
+
+
+def test_a_ledger_on_a_full_disk_is_not_called_damaged(small_disk: Path) -> None:
+    resize(small_disk, "size=4k")
+    with pytest.raises(Exception, match="free disk space"):
+        Ledger(small_disk / "ledger.sqlite")
+
+
+def test_a_worker_that_cannot_write_is_no_fault_of_the_designs(
+    small_disk: Path, robomore_: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(evaluator, "_WORK", "quick_run:disk_full")
+    resize(small_disk, "size=3m")
+    out = small_disk / "run"
+    said = robomore_(*SMOKE, "--out", out)
+    refused(said, "full for workers", status=1)
+    assert "No space left" in said.err
+    assert not rows(out)
+
+
+def test_where_there_is_space_the_fault_is_ours_and_is_told(
+    tmp_path: Path, robomore_: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(evaluator, "_WORK", "quick_run:disk_full")
+    out = tmp_path / "run"
+    said = robomore_(*SMOKE, "--out", out)
+    assert said.status == 1 and said.err.count("\n") == 1, said.err
+    assert "all 4 candidates failed (4 failed)" in said.err and "No space left" in said.err
+    shown = robomore_("show", out)
+    assert shown.status == 0 and "4 failed" in shown.out and "nothing has been trained" in shown.out
+    assert robomore_("report", out).status == 0
+
+
+def test_a_probe_finds_a_full_disk(small_disk: Path) -> None:
+    with pytest.raises(Exception, match=r"No space left.*same command"):
+        RunFolder(small_disk).ensure_writable()
+    assert not list(small_disk.iterdir())
+    resize(small_disk, "size=64m")
+    RunFolder(small_disk).ensure_writable()
