@@ -159,7 +159,7 @@ def test_a_replay_is_the_run_to_the_last_digit(
 
 def test_a_replay_of_another_search_says_where_it_parts(drafted: Path, tmp_path: Path) -> None:
     other = replace(TINY, search=replace(TINY.search, objective="fitness"))
-    with pytest.raises(InputError, match="another prompt for coarse morphology 0"):
+    with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
         run("swimmer", other, Replay(drafted), seed=1, out=tmp_path / "other")
 
 

@@ -24,7 +24,7 @@ from robomore.evaluation.pictures import pictures
 from robomore.evaluation.rehearse import Rehearsal
 from robomore.evaluation.request import Request
 from robomore.events import Observer, RunBegan, ignore
-from robomore.executors import Processes
+from robomore.executors import Processes, Threads
 from robomore.identity import job_key
 from robomore.llm import Correspondence, MemoryLog, ReplayModel
 from robomore.report import write_report
@@ -132,6 +132,7 @@ def run(
                 settings.search,
                 human.reward,
                 ledger.noting(observe),
+                Threads(chosen.parallel),
             )
             outcome = final(
                 partial(evaluator.measure, budget=settings.final),
@@ -218,6 +219,7 @@ class _Chosen:
     provenance: str
     make: Callable[[RunFolder, ExitStack], Designer]
     settings: dict[str, Any] = field(default_factory=dict)
+    parallel: int = 1
 
 
 def _chosen(
@@ -249,7 +251,7 @@ def _chosen(
     if isinstance(designer, Replay):
         identity = {**model.identity, "replayed": designer.by}
         return _Chosen(Replay.name, f"{provenance}, as recorded in {designer.run}.", make, identity)
-    return _Chosen(LanguageModel.name, f"{provenance}.", make, model.identity)
+    return _Chosen(LanguageModel.name, f"{provenance}.", make, model.identity, model.parallel)
 
 
 _OURS = ("offline", "human", "random")

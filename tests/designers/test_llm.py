@@ -266,7 +266,7 @@ def test_a_replay_with_other_settings_says_so() -> None:
     log = MemoryLog()
     whole_run(designer(ScriptedModel(clumsy), log))
     other = designer(ReplayModel(log), settings=LLMSettings(diversity=False))
-    with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
+    with pytest.raises(InputError, match="another prompt for coarse morphology 2"):
         whole_run(other)
 
 

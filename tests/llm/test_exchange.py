@@ -179,9 +179,9 @@ def test_a_replay_answers_the_same_and_costs_nothing() -> None:
 
 def test_a_replay_says_where_it_parts_from_the_recording() -> None:
     replay = ReplayModel(recorded("a"))
-    with pytest.raises(InputError, match="another prompt for coarse morphology 0"):
+    with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
         replay.complete(request("other"))
-    with pytest.raises(InputError, match="ends before coarse morphology 5"):
+    with pytest.raises(InputError, match="ends before coarse morphology 6"):
         replay.complete(request("a", dataclasses.replace(SLOT, index=5)))
     with pytest.raises(InputError, match="no exchanges"):
         ReplayModel(MemoryLog())

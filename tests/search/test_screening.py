@@ -10,9 +10,9 @@ import pytest
 from robomore.errors import InputError, NothingTrained
 from robomore.events import Cut, Event
 from robomore.search import robomore
-from robomore.search.screening import check, finished
+from robomore.search.screening import check
 from robomore.settings import Rung, Screening, SearchSettings
-from robomore.types import Design, Evaluation, Morphology, Trial
+from robomore.types import Design, Evaluation, Morphology, Trial, finished
 from search.fakes import REFERENCE, CountingDesigner, Measuring, evaluation, numbers
 
 STEPS = 1000

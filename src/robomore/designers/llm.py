@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -88,6 +89,7 @@ class LLMDesigner:
             rehearse: tries a reward out on moving bodies; `None` to skip that.
             pictures: draws what is to be improved, for a model that can see.
         """
+        self.reflects = (settings or LLMSettings()).diversity
         self.provenance = f"Proposed by a language model: {correspondence.model.name}."
         self._task = task
         self._correspondence = correspondence
@@ -96,6 +98,8 @@ class LLMDesigner:
         self._check = check
         self._rehearse = rehearse
         self._pictures = pictures
+        # Branches ask side by side; trying rewards out and drawing take this machine's cores.
+        self._machine = threading.Lock()
         self._schema = morphology_schema(task)
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
@@ -137,7 +141,8 @@ class LLMDesigner:
             measured=history,
             settings=self._settings.history,
         )
-        images = tuple(self._pictures(best)) if self._pictures else ()
+        with self._machine:
+            images = tuple(self._pictures(best)) if self._pictures else ()
         if not images:
             return [role, question]
         return [role, Message("user", f"{question.text}\n\n{render('pictures')}", images)]
@@ -155,7 +160,8 @@ class LLMDesigner:
             reward = parse_reward(exchange.reply, taken, exchange.truncated, self._check)
             # A rehearsal measures time and may judge differently tomorrow: it is believed once.
             if exchange.findings is None and self._rehearse is not None:
-                found = self._rehearse(reward.source)
+                with self._machine:
+                    found = self._rehearse(reward.source)
                 # What is merely doubtful is said once; then the model knows what it wants.
                 if errors(found) or (found and not exchange.repair and self._settings.repairs):
                     raise BadReply(in_words(found))

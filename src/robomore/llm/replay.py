@@ -85,13 +85,12 @@ class ReplayModel:
 
     def _missing(self, request: Request) -> str:
         slot = request.slot
-        where = f"{slot.stage} {slot.kind} {slot.index} of branch {slot.branch}"
         if (slot, request.repair) in self._by_slot:
             return (
-                f"the recording answers another prompt for {where}: task, settings, seed and "
+                f"the recording answers another prompt for {slot}: task, settings, seed and "
                 "trainer must be those of the recorded run, or replay it by slot"
             )
         return (
-            f"the recording ends before {where} (attempt {slot.attempt}, repair {request.repair}); "
+            f"the recording ends before {slot} (attempt {slot.attempt}, repair {request.repair}); "
             "finish the recorded run, or ask for no more than it did"
         )

@@ -56,7 +56,9 @@ class Rows:
             )
 
     def close(self) -> None:
-        self._db.close()
+        # Not while another thread is writing.
+        with self._lock:
+            self._db.close()
 
     def _script(self, statements: str) -> None:
         try:
