@@ -198,6 +198,24 @@ def test_the_prompts_of_a_run_are_those_that_were_sent(robomore_: Command, tmp_p
     }
 
 
+def test_a_model_is_told_whose_training_was_cut_short(robomore_: Command, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with serve(*CONVERSATION[:7], "broken") as (url, script):
+        robomore_(
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--screening", "halving", "--quiet", "--out", out),
+        )
+    sent = script.seen[-1]["messages"]
+    assert "after only 410 of 2,048 training steps" in sent[1]["content"]
+    assert "Full training takes 2,048 steps" in sent[1]["content"]
+    assert sent[1]["content"].count("## Body") == 2
+    # Screening compares bodies under the reference reward, which is nobody's business.
+    assert get_task("swimmer").reward.split("\n")[2] not in sent[1]["content"]
+    _, said, _ = robomore_("prompt", "swimmer", "improve-morphology", "--from", out, "--json")
+    told = [message["text"] for message in json.loads(said)["messages"]]
+    assert told == [message["content"] for message in sent]
+
+
 def test_prompts_need_a_run_to_improve_on(robomore_: Command, finished: Path) -> None:
     status, _, err = robomore_("prompt", "ant", "improve-reward")
     assert status == 2 and "--from RUN" in err

@@ -105,19 +105,20 @@ def _seen(task: Task, path: Path) -> _Seen:
     """
     from robomore.report.way import best_of, in_order
     from robomore.store import Ledger, Manifest, RunFolder
+    from robomore.types import finished
 
     folder = RunFolder.existing(path)
     manifest = Manifest.load(folder.manifest)
     if manifest.task != task.id:
         raise InputError(f"{path} is a run of {manifest.task!r}, not of {task.id!r}")
     with closing(Ledger(folder.ledger, read_only=True)) as ledger:
-        placed = [(p, e) for p, e in in_order(ledger.placed()) if p.stage != "final"]
+        placed = in_order(ledger.placed())
         proposals = [p for p in ledger.proposals() if p.slot.stage == "coarse"]
     proposals.sort(key=lambda proposal: proposal.slot.index)
     objective = manifest.settings.search.objective
     fine = [(place, e) for place, e in placed if place.stage == "fine"]
     grid = [e for place, e in placed if place.stage == "coarse"]
-    best = best_of((e for _, e in placed), objective)
+    best = best_of(finished([*grid, *(e for _, e in fine)]), objective)
     # A branch sees the grid and its own trials.
     branch = next((place.branch for place, e in fine if best and e.key == best.key), None)
     return _Seen(
