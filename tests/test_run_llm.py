@@ -8,10 +8,9 @@ import subprocess
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -310,30 +309,17 @@ def test_no_key_reaches_a_worker_or_a_rewards_process(
 
 
 def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) -> None:
-    """With a real llama.cpp server of random weights where there is one, else a scripted one."""
-    settings = LLMSettings(history=HistorySettings(500), sampling=Sampling(temperature=1.5, seed=1))
+    """In earnest, but for the model (`test_quick_llm.py` has a real server)."""
     small = replace(TINY, search=replace(TINY.search, morphologies=1))
-    with _any_server(tmp_path) as url:
-        chosen = LanguageModel(connect("random", base_url=url), settings, server=url)
+    with serve("page", body(0.8), "broken", GOOD, body(0.7), OTHER) as (url, _):
+        patience = Patience(first_wait=0.01)
+        chosen = LanguageModel(connect("toy", base_url=url, patience=patience), server=url)
         folder = run("swimmer", small, chosen, seed=1, workers=2, out=tmp_path / "run").folder
     accepted = [one for one in exchanges(folder) if one.findings == ()]
     stages = [(one.slot.stage, one.slot.kind) for one in accepted]
     assert stages == [(stage, kind) for stage in ("coarse", "fine") for kind in KINDS]
     assert summarise(folder).final
     assert (folder / "champion" / "policy.npz").is_file()
-
-
-@contextmanager
-def _any_server(folder: Path) -> Iterator[str]:
-    if find_spec("xllamacpp") and find_spec("gguf"):
-        from llm.llama import serve_llama
-
-        with serve_llama(folder) as url:
-            yield url
-    else:
-        bodies = (body(0.8), body(0.7))
-        with serve("page", bodies[0], "broken", GOOD, bodies[1], OTHER) as (url, _):
-            yield url
 
 
 def _so_far(out: Path) -> list[Exchange]:

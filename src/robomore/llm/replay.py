@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 from robomore.errors import InputError
 from robomore.llm.exchange import Exchange, ExchangeLog, exchange_key
-from robomore.llm.model import ChatModel, Completion, Request
+from robomore.llm.model import ChatModel, Completion, Request, unasked
 from robomore.types import Slot
 
 
@@ -53,8 +54,8 @@ class ReplayModel:
             (exchange.slot, exchange.repair): exchange for exchange in exchanges
         }
 
-    def complete(self, request: Request) -> Completion:
-        """Answer from the recording.
+    def complete(self, request: Request, sending: Callable[[], None] = unasked) -> Completion:
+        """Answer from the recording; only what it does not hold is sent anywhere.
 
         Raises:
             InputError: the recording holds no such exchange, and there is no model besides.
@@ -76,7 +77,7 @@ class ReplayModel:
                 verdict=verdict,
             )
         if self._otherwise is not None:
-            return self._otherwise.complete(request)
+            return self._otherwise.complete(request, sending)
         raise InputError(self._missing(request))
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
