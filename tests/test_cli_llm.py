@@ -25,7 +25,7 @@ from robomore.report.command import command_line
 from robomore.settings import preset
 from robomore.store import Manifest
 from robomore.tasks import get_task
-from test_run_llm import CONVERSATION
+from test_run_llm import CONVERSATION, exchanges
 from untrained import Untrained
 
 pytest.importorskip("pydantic_ai")
@@ -106,6 +106,40 @@ def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: 
     assert "run the same command again" in err and err.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("fault", "tries", "exit_status", "said"),
+    [
+        ("busy_for_an_hour", 1, 1, "asks to wait 3600 s"),
+        ("broken", 6, 1, "HTTP 500"),
+        ("drop", 6, 1, "no connection"),
+        ("half", 6, 1, "cannot be read"),
+        ("no_choices", 6, 1, "without content"),
+        ("page", 6, 1, "ends in /v1"),
+        ("wrong_model", 1, 2, "no model of the name"),
+        ("wrong_key", 1, 2, "the key was refused"),
+    ],
+)
+def test_whatever_a_server_does_is_one_line_and_the_same_command_goes_on(
+    robomore_: Command, tmp_path: Path, fault: str, tries: int, exit_status: int, said: str
+) -> None:
+    steps = [*CONVERSATION[:2], *[fault] * tries, *CONVERSATION[2:-1]]
+    with serve(*steps) as (url, script):
+        command = (
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--json", "--out", tmp_path / "out"),
+        )
+        status, out, err = robomore_(*command)
+        assert (status, out) == (exit_status, "") and len(script.seen) == 2 + tries
+        assert said in err and err.count("\n") == 1 and KEY not in err
+        status, out, err = robomore_(*command)
+        assert status == 0, err
+    # What was answered before the fault was not asked for again.
+    assert len(script.seen) == len(steps) == json.loads(out)["cost"]["requests"]
+    assert [one.reply for one in exchanges(tmp_path / "out")] == [
+        step[1] for step in steps if isinstance(step, tuple)
+    ]
+
+
 def test_a_replay_over_the_command_line(robomore_: Command, finished: Path, tmp_path: Path) -> None:
     status, out, err = robomore_(
         *("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1"),
@@ -115,6 +149,57 @@ def test_a_replay_over_the_command_line(robomore_: Command, finished: Path, tmp_
     _, before, _ = robomore_("show", finished, "--json")
     mine, theirs = json.loads(out), json.loads(before)
     assert mine["champion"] == theirs["champion"] and mine["way"] == theirs["way"]
+
+
+def test_another_trainer_reuses_the_proposals_over_the_command_line(
+    robomore_: Command, finished: Path, tmp_path: Path
+) -> None:
+    def replay(out: Path, *more: str) -> Said:
+        return robomore_(
+            *("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1"),
+            *("--designer", "replay", "--from", finished, "--trainer", "sac", *more),
+            *("--trainer-option", "warm_up_steps=500", "--out", out, "--quiet", "--json"),
+        )
+
+    # Other numbers make other prompts, so by content the two runs part in the fine stage.
+    status, _, err = replay(tmp_path / "content")
+    assert status == 2 and "another prompt for fine morphology 1 of branch 1" in err
+    assert "replay it by slot" in err and err.count("\n") == 1
+    status, out, err = replay(tmp_path / "slot", "--by", "slot")
+    assert status == 0, err
+    told = json.loads(out)
+    assert told["final"] and told["cost"]["requests"] == 0
+    mine, theirs = exchanges(tmp_path / "slot"), exchanges(finished)
+    assert [(one.slot, one.repair, one.reply) for one in mine] == [
+        (one.slot, one.repair, one.reply) for one in theirs
+    ]
+    assert Manifest.load(tmp_path / "slot" / "run.json").settings.trainer.name == "sac"
+
+
+def test_a_replay_that_goes_further_than_the_recording_does_without(
+    robomore_: Command, finished: Path, tmp_path: Path
+) -> None:
+    """Under another trainer a branch may still improve where the recorded one had ended."""
+    command = ("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1", "--json")
+    replay = (*command, "--quiet", "--designer", "replay", "--from", finished, "--by", "slot")
+    for number in range(1, 20):
+        out = tmp_path / str(number)
+        # Its numbers are made from its settings, so some trainer improves something.
+        other = ("--cycles", "2", "--trainer-option", f"policy_rate={number}e-4")
+        status, said, err = robomore_(*replay, *other, "--out", out)
+        assert status == 0, err
+        if (told := json.loads(said))["empty_slots"]:
+            break
+    assert [one["slot"] for one in told["empty_slots"]] == [
+        "fine morphology 2 of branch 1",
+        "fine reward 2 of branch 1",
+    ]
+    assert "2 slots stayed empty" in " ".join(told["cautions"])
+    _, shown, _ = robomore_("show", out)
+    assert "2 slots stayed empty" in " ".join(shown.split())
+    # A grid that is larger than the recorded one is another matter.
+    status, _, err = robomore_(*replay, "--morphologies", "3", "--out", tmp_path / "larger")
+    assert status == 2 and "ends before coarse morphology 3" in err
 
 
 @pytest.mark.parametrize(

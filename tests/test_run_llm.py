@@ -69,8 +69,11 @@ CONVERSATION: list[str | tuple[str, str]] = [
 """What the server says to a run of `TINY` with one repair, in order."""
 
 
-def talk(out: Path, url: str, **options: object) -> Path:
-    model = connect("toy", base_url=url, patience=Patience(tries=1))
+ONCE = Patience(tries=1)
+
+
+def talk(out: Path, url: str, patience: Patience = ONCE, **options: object) -> Path:
+    model = connect("toy", base_url=url, patience=patience)
     chosen = LanguageModel(model, SETTINGS, server=url, **options)  # type: ignore[arg-type]
     return run("swimmer", TINY, chosen, seed=1, workers=2, out=out).folder
 
@@ -209,6 +212,53 @@ def test_a_run_killed_again_and_again_pays_for_nothing_twice(drafted: Path, tmp_
         subprocess.run(command, check=True, timeout=300)
     assert len(script.seen) == len(exchanges(out)) == len(CONVERSATION) - 1
     assert numbers(out) == numbers(drafted)
+
+
+def test_a_server_that_fails_in_every_way_and_a_run_killed_in_between(
+    drafted: Path, tmp_path: Path
+) -> None:
+    """Nothing is lost, nothing is asked for twice, and what comes out is what always comes out."""
+    faults = ("busy_for_a_second", "broken", "drop", "no_choices", "half", "page", "unavailable")
+    steps: list[str | tuple[str, str]] = []
+    killed_at = []
+    for number, answer in enumerate(CONVERSATION[:-1]):
+        steps += [faults[number % len(faults)]]
+        if number in (0, 4, 8):
+            # Stalled, the server has a request and has given no answer: the moment to be killed.
+            killed_at.append(len(steps))
+            steps.append("stall")
+        if number == 5:
+            steps.append("stall")  # this one is waited out
+        steps.append(answer)
+    program = textwrap.dedent(
+        """
+        import sys
+        from pathlib import Path
+        sys.path.insert(0, sys.argv[3])
+        import robomore.experiment
+        from robomore.llm.retry import Patience
+        from test_run_llm import talk
+        from untrained import Untrained
+        robomore.experiment.Processes = Untrained
+        talk(Path(sys.argv[1]), sys.argv[2], Patience(first_wait=0.01, seconds=6.0))
+        """
+    )
+    out = tmp_path / "out"
+    with serve(*steps) as (url, script):
+        command = [sys.executable, "-c", program, str(out), url, str(Path(__file__).parent)]
+        for stalled in killed_at:
+            process = subprocess.Popen(command)
+            _wait(lambda stalled=stalled: len(script.seen) > stalled, process)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            answered = sum(isinstance(step, tuple) for step in steps[:stalled])
+            assert len(_so_far(out)) == answered and len(script.seen) == stalled + 1
+        subprocess.run(command, check=True, timeout=300)
+    assert len(script.seen) == len(steps)
+    assert [one.reply for one in exchanges(out)] == [text for _, text in CONVERSATION[:-1]]
+    assert numbers(out) == numbers(drafted)
+    # Every request counts, those in vain and those under way at a kill among them.
+    assert summarise(out).spending.requests == len(steps)
 
 
 def test_a_spent_budget_ends_the_run_and_a_larger_one_goes_on(

@@ -68,6 +68,9 @@ class _Handler(BaseHTTPRequestHandler):
     def busy(self) -> None:
         self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "7"})
 
+    def busy_for_a_second(self) -> None:
+        self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "1"})
+
     def busy_for_an_hour(self) -> None:
         self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "3600"})
 
