@@ -18,14 +18,14 @@ from robomore.cli.llm import ModelOptions, language_model
 from robomore.designers import LanguageModel
 from robomore.designers.llm import LLMSettings
 from robomore.designers.prompting import KINDS, render_prompt
-from robomore.llm import Sampling, connect
+from robomore.llm import Exchange, Sampling, connect
 from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import Patience
 from robomore.report.command import command_line
 from robomore.settings import preset
 from robomore.store import Manifest
 from robomore.tasks import get_task
-from test_run_llm import CONVERSATION, exchanges
+from test_run_llm import CONVERSATION, GOOD, OTHER, body, exchanges
 from untrained import Untrained
 
 pytest.importorskip("pydantic_ai")
@@ -149,6 +149,38 @@ def test_a_replay_over_the_command_line(robomore_: Command, finished: Path, tmp_
     _, before, _ = robomore_("show", finished, "--json")
     mine, theirs = json.loads(out), json.loads(before)
     assert mine["champion"] == theirs["champion"] and mine["way"] == theirs["way"]
+
+
+def test_what_the_settings_do_stands_in_the_ledger(
+    robomore_: Command, finished: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    with serve(("say", "no"), body(0.8), body(0.8), GOOD, body(0.7), OTHER) as (url, _):
+        status, _, err = robomore_(
+            *("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1", "--quiet"),
+            *("--designer", "llm", "--base-url", url, "--model", "toy", "--parallel", "1"),
+            *("--no-diversity", "--repairs", "0", "--temperature", "0.7", "--out", out),
+            *("--history-rule", "recent+worst", "--history-tokens", "10"),
+        )
+    assert status == 0, err
+    usual, mine = exchanges(finished), exchanges(out)
+    # Diversity Reflection: earlier proposals in the prompt, or a body said twice is no fault.
+    assert [len(_with(run, "Earlier designs")) for run in (usual, mine)] == [3, 0]
+    assert [one.reply for one in mine if one.findings == ()].count(body(0.8)[1]) == 2
+    # Repairs: a second answer in the same attempt, or a fresh attempt.
+    assert {one.repair for one in usual} == {0, 1} and {one.repair for one in mine} == {0}
+    assert [one.slot.attempt for one in mine] == [0, 1, 0, 0, 0, 0]
+    # The history's rule is said in the prompt.
+    said = "taken in turn (the latest; the worst by score)"
+    assert [len(_with(run, said)) for run in (usual, mine)] == [0, 2]
+    assert {one.sampling.temperature for one in mine} == {0.7}
+    settings = Manifest.load(out / "run.json").designer_settings
+    assert (settings["diversity"], settings["repairs"]) == (False, 0)
+    assert settings["history"] == {"tokens": 10, "rule": "recent+worst"}
+
+
+def _with(kept: list[Exchange], words: str) -> list[Exchange]:
+    return [one for one in kept if words in one.messages[1].text]
 
 
 def test_another_trainer_reuses_the_proposals_over_the_command_line(

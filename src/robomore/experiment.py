@@ -23,10 +23,10 @@ from robomore.evaluation.evaluator import Evaluator
 from robomore.evaluation.pictures import pictures
 from robomore.evaluation.rehearse import Rehearsal
 from robomore.evaluation.request import Request
-from robomore.events import Observer, RunBegan, ignore
+from robomore.events import Observer, RunBegan, Spent, ignore, one_at_a_time
 from robomore.executors import Processes, Threads
 from robomore.identity import job_key
-from robomore.llm import Correspondence, MemoryLog, ReplayModel
+from robomore.llm import Correspondence, MemoryLog, ReplayModel, Spending
 from robomore.report import write_report
 from robomore.sandbox.contain import Containment
 from robomore.sandbox.layers import ensure, strict_is_possible
@@ -90,13 +90,14 @@ def run(
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
     task = get_task(task) if isinstance(task, str) else task
+    observe = one_at_a_time(observe)
     name = name or (settings if isinstance(settings, str) else "custom")
     workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     objective = settings.search.objective
     mode = _containment(containment, ours=designer in _OURS)
-    chosen = _chosen(designer, task, seed, objective, mode)
+    chosen = _chosen(designer, task, seed, objective, mode, observe)
     manifest = Manifest(
         *(task.id, task.version, name, chosen.name, chosen.provenance, seed, settings),
         designer_settings=chosen.settings,
@@ -228,6 +229,7 @@ def _chosen(
     seed: int,
     objective: str,
     containment: Containment,
+    observe: Observer,
 ) -> _Chosen:
     if isinstance(designer, str):
         made = make_designer(designer, task, seed, objective)
@@ -236,11 +238,15 @@ def _chosen(
     # Before anything is written, refuse a limit that cannot be kept.
     Correspondence(model.model, MemoryLog(), model.budget)
 
+    def watch(spent: Spending) -> None:
+        dollars = None if spent.unpriced else spent.cost
+        observe(Spent(spent.requests, spent.tokens, dollars))
+
     def make(folder: RunFolder, stack: ExitStack) -> Designer:
         log = stack.enter_context(closing(LedgerExchanges(folder.ledger)))
         return LLMDesigner(
             task,
-            Correspondence(model.model, log, model.budget),
+            Correspondence(model.model, log, model.budget, watch),
             model.settings,
             objective=objective,
             rehearse=Rehearsal(task, folder.scratch, containment),

@@ -16,6 +16,7 @@ from robomore.events import (
     Progressed,
     Proposed,
     RunBegan,
+    Spent,
     Started,
 )
 from robomore.settings import RunSettings
@@ -63,6 +64,7 @@ class Progress:
         half_cycles: batches of the fine stage so far.
         best: of the search, by its objective, and where it was found.
         ideas: the latest proposals, newest last.
+        spent: on a language model so far; `None` where none was asked.
         trouble: diagnosis of the latest failure.
     """
 
@@ -77,6 +79,7 @@ class Progress:
     half_cycles: int = 0
     best: tuple[Evaluation, Place] | None = None
     ideas: deque[Proposed] = field(default_factory=lambda: deque(maxlen=_IDEAS))
+    spent: Spent | None = None
     trouble: str = ""
     began: float = 0.0
     _measured_steps: int = 0
@@ -91,6 +94,8 @@ class Progress:
                 self.run = event
             case Proposed():
                 self.ideas.append(event)
+            case Spent():
+                self.spent = event
             case BatchBegan(places):
                 self.stage = places[0].stage if places else self.stage
                 self.asked = self.open = len(places)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -22,7 +21,7 @@ class RecordedDesigner:
 
     A slot that the designer fails to fill is recorded as failed and filled by a fresh proposal (the
     slot's next attempt). When these run out too, it stays empty, and `ProposalFailed` says so to
-    the search. May be called from several threads; `observe` is told one thing at a time.
+    the search. May be called from several threads.
     """
 
     def __init__(self, designer: Designer, ledger: Ledger, observe: Observer = ignore) -> None:
@@ -32,7 +31,6 @@ class RecordedDesigner:
         self._designer = designer
         self._ledger = ledger
         self._observe = observe
-        self._telling = threading.Lock()
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """See `Designer.propose_morphology`."""
@@ -91,8 +89,7 @@ class RecordedDesigner:
                 self._ledger.add_proposal(proposal, given)
             failure = proposal.failure
             said = proposal.morphology or proposal.reward
-            with self._telling:
-                self._observe(Proposed(fresh, said.idea if said else "", failure))
+            self._observe(Proposed(fresh, said.idea if said else "", failure))
             if said is not None:
                 return proposal
         raise ProposalFailed(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -37,11 +37,26 @@ class Correspondence:
     """A model, the log of what was said to it, and a budget."""
 
     def __init__(
-        self, model: ChatModel, log: ExchangeLog, budget: ModelBudget | None = None
+        self,
+        model: ChatModel,
+        log: ExchangeLog,
+        budget: ModelBudget | None = None,
+        watch: Callable[[Spending], None] = lambda spent: None,
     ) -> None:
-        """Raises `InputError` for a cost limit on a model whose price nobody knows."""
+        """Make the one way to a model.
+
+        Args:
+            model: that is asked.
+            log: where exchanges are kept.
+            budget: that may be spent; without limits by default.
+            watch: told after each answer what has been spent so far, from any thread.
+
+        Raises:
+            InputError: a cost limit for a model whose price nobody knows.
+        """
         self._model = model
         self._log = log
+        self._watch = watch
         self._budget = budget or ModelBudget()
         self._under_way: list[_Asking] = []
         self._lock = threading.Lock()
@@ -97,6 +112,8 @@ class Correspondence:
             # Kept before anybody reads it: whatever happens next, it is not paid for again.
             with self._lock:
                 self._log.add(exchange)
+                spent = self._log.spent()
+        self._watch(spent)
         _log.info(
             "%s answered %s in %.1f s (%d + %d tokens)",
             exchange.model,
