@@ -96,6 +96,52 @@ def test_a_spent_budget_is_one_line_and_the_same_command_goes_on(
     assert found["cost"]["tokens"] == 120 * len(script.seen) and found["cost"]["dollars"] == 0
 
 
+def test_a_stubborn_slot_stays_empty_and_the_run_goes_on(
+    robomore_: Command, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    refusals = [("say", f"I would rather not, {number}.") for number in range(6)]
+    steps = [body(0.8), *refusals, GOOD, *refusals, OTHER]
+    with serve(*steps) as (url, script):
+        command = (
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--out", out, "--json"),
+        )
+        status, said, err = robomore_(*command)
+        assert status == 0, err
+        assert robomore_(*command)[0] == 0
+        # Once in three attempts of two answers each, and never again.
+        assert len(script.seen) == len(steps)
+    told = json.loads(said)
+    assert [one["slot"] for one in told["empty_slots"]] == [
+        "coarse morphology 2",
+        "fine morphology 1 of branch 1",
+    ]
+    assert "no JSON object" in told["empty_slots"][0]["reason"]
+    assert told["final"] and told["evaluations"] == {"ok": 4}
+    assert "coarse morphology 2, attempt 3: no usable morphology in 2 answers" in err
+    _, shown, _ = robomore_("show", out)
+    assert "2 slots stayed empty" in " ".join(shown.split())
+    assert "Slots that stayed empty" in (out / "report.html").read_text()
+
+
+def test_a_model_that_fills_no_slot_ends_the_run_in_one_line(
+    robomore_: Command, tmp_path: Path
+) -> None:
+    with serve(("say", "I would rather not.")) as (url, script):
+        command = (
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--out", tmp_path / "out"),
+        )
+        for _ in range(2):
+            status, _, err = robomore_(*command)
+            assert status == 1 and err.count("\n") == 1
+            assert "filled none of 2 slots for a morphology" in err and "no JSON object" in err
+            assert len(script.seen) == 2 * 3 * 2
+    status, shown, _ = robomore_("show", tmp_path / "out")
+    assert status == 0 and "2 slots stayed empty" in " ".join(shown.split())
+
+
 def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: Path) -> None:
     with serve("broken") as (url, script):
         status, _, err = robomore_(
@@ -177,6 +223,9 @@ def test_what_the_settings_do_stands_in_the_ledger(
     settings = Manifest.load(out / "run.json").designer_settings
     assert (settings["diversity"], settings["repairs"]) == (False, 0)
     assert settings["history"] == {"tokens": 10, "rule": "recent+worst"}
+    # And `prompt` shows what such a run sends.
+    assert "Earlier designs" in robomore_("prompt", "swimmer", "morphology", "--from", finished)[1]
+    assert "Earlier designs" not in robomore_("prompt", "swimmer", "morphology", "--from", out)[1]
 
 
 def _with(kept: list[Exchange], words: str) -> list[Exchange]:
@@ -313,6 +362,20 @@ def test_the_prompts_of_a_run_are_those_that_were_sent(robomore_: Command, tmp_p
     assert found["schema"] == sent["response_format"]["json_schema"]["schema"] | {
         "title": "morphology"
     }
+
+
+def test_the_prompt_of_a_run_with_pictures_is_the_one_that_was_sent(
+    robomore_: Command, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    with serve(*CONVERSATION[:7], "broken") as (url, script):
+        robomore_(
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--vision", "--quiet", "--out", out),
+        )
+    _, said, _ = robomore_("prompt", "swimmer", "improve-morphology", "--from", out, "--json")
+    text, *pictures = script.seen[-1]["messages"][1]["content"]
+    assert json.loads(said)["messages"][1]["text"] == text["text"] and pictures
 
 
 def test_a_model_is_told_whose_training_was_cut_short(robomore_: Command, tmp_path: Path) -> None:

@@ -164,7 +164,7 @@ def test_a_slot_without_proposal_leaves_its_row_or_column_empty() -> None:
 def test_a_grid_without_any_proposal_ends_the_search_and_says_why(kind: str) -> None:
     designer = Stubborn(*(f"coarse {kind} {number}" for number in (1, 2)))
     measuring = Measuring(lambda body, reward: 1.0)
-    with pytest.raises(NothingTrained, match=f"not one of 2 .*no coarse {kind} 1"):
+    with pytest.raises(NothingTrained, match=f"none of 2 slots for a {kind}.*no coarse {kind} 1"):
         robomore(designer, measuring, SearchSettings(2, 2), REFERENCE)
     assert not measuring.batches
 

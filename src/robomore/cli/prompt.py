@@ -50,7 +50,7 @@ def prompt(
         Print JSON: the messages, and the schema that a provider may enforce.
     """
     from robomore.designers.history import HistorySettings
-    from robomore.designers.prompting import morphology_schema, render_prompt
+    from robomore.designers.prompting import morphology_schema, render, render_prompt
     from robomore.tasks import get_task
 
     chosen = get_task(task)
@@ -74,6 +74,9 @@ def prompt(
         measured=seen.measured,
         settings=history,
     )
+    if seen.vision and kind.startswith("improve"):
+        role, question = messages
+        messages = [role, replace(question, text=f"{question.text}\n\n{render('pictures')}")]
     schema = morphology_schema(chosen) if kind.endswith("morphology") else None
     if as_json:
         told = [{"role": message.role, "text": message.text} for message in messages]
@@ -95,6 +98,7 @@ class _Seen:
     best: Evaluation | None = None
     measured: list[Evaluation] = field(default_factory=list)
     history: dict[str, Any] = field(default_factory=dict)
+    vision: bool = False
 
 
 def _seen(task: Task, path: Path) -> _Seen:
@@ -121,11 +125,15 @@ def _seen(task: Task, path: Path) -> _Seen:
     best = best_of(finished([*grid, *(e for _, e in fine)]), objective)
     # A branch sees the grid and its own trials.
     branch = next((place.branch for place, e in fine if best and e.key == best.key), None)
+    told = manifest.designer_settings
+    if not told.get("diversity", True):
+        proposals = []
     return _Seen(
         objective,
         [p.morphology for p in proposals if p.morphology],
         [p.reward for p in proposals if p.reward],
         best,
         [*grid, *(e for place, e in fine if place.branch == (branch or 0))],
-        manifest.designer_settings.get("history", {}),
+        told.get("history", {}),
+        bool(told.get("vision")),
     )

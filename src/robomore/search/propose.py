@@ -45,7 +45,7 @@ def diverse(
     return found
 
 
-def filled(found: Sequence[T | ProposalFailed], what: str) -> dict[int, T]:
+def filled(found: Sequence[T | ProposalFailed], kind: str) -> dict[int, T]:
     """Return the proposals that there are, by their number.
 
     Raises:
@@ -53,8 +53,10 @@ def filled(found: Sequence[T | ProposalFailed], what: str) -> dict[int, T]:
     """
     proposals = {i: one for i, one in enumerate(found) if not isinstance(one, ProposalFailed)}
     if not proposals:
-        why = next((f"; for example: {one}" for one in found), "")
-        raise NothingTrained(f"nothing to train: not one of {len(found)} {what} was proposed{why}")
+        why = next((f"; for example, {one}" for one in found), "")
+        raise NothingTrained(
+            f"nothing to train: the designer filled none of {len(found)} slots for a {kind}{why}"
+        )
     return proposals
 
 
