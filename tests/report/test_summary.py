@@ -145,6 +145,18 @@ def test_a_folder_that_is_no_run(tmp_path: Path) -> None:
         summarise(tmp_path)
 
 
+def test_a_branch_of_which_nothing_was_measured_has_its_start_on_the_way(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    run.coarse()
+    place = Place(stage="fine", cycle=1, branch=1, changed="reward")
+    run.add(Design(run.morphology(0.5), run.reward(9.0)), place, 1.0)
+    steps = summarise(tmp_path).way
+    assert [(s.place.morphology, s.place.reward, s.leads) for s in steps] == [
+        (3, 2, True),
+        (3, 1, False),
+    ]
+
+
 def test_slots_that_stayed_empty_are_named_wherever_one_looks(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     with closing(Ledger(run.folder.ledger)) as ledger:
