@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from threading import Barrier, Lock
+from time import sleep
 
 import pytest
 from measured import SWIMMER, body, evaluation, grid, reward
@@ -116,6 +118,10 @@ def test_a_fresh_attempt_is_a_new_exchange() -> None:
     with pytest.raises(ProposalFailed):
         made.propose_morphology(BODY, [])
     assert made.propose_morphology(Slot("coarse", "morphology", 0, 0, attempt=1), [])
+    # A model that is not left to chance would say the same again to the same words.
+    first, second = (asked.messages for asked in model.asked)
+    assert second[0] == first[0]
+    assert second[1].text.startswith(first[1].text) and "attempt 2" in second[1].text
 
 
 def test_what_was_tried_is_not_proposed_again() -> None:
@@ -363,3 +369,29 @@ def test_side_by_side_a_spent_budget_costs_nothing_but_the_wait() -> None:
         assert log.spent().requests == limit
     assert ask(log, 12) == expected
     assert len(log.all()) == log.spent().requests == 12
+
+
+def test_only_asking_goes_on_side_by_side() -> None:
+    """Up to Python 3.12 two threads must not parse at once, and rehearsals measure time."""
+    best = evaluation(body(0.9), reward(9), 9.0)
+    asking = Barrier(3, timeout=20)
+    lock, under_way, most = Lock(), 0, 0
+
+    def alone(source: str) -> list[Finding]:
+        nonlocal under_way, most
+        with lock:
+            under_way += 1
+            most = max(most, under_way)
+        sleep(0.01)
+        with lock:
+            under_way -= 1
+        return []
+
+    def answer(asked: Request) -> str:
+        asking.wait()
+        return coded(asked.slot.branch + 1)
+
+    made = designer(ScriptedModel(answer), check=alone, rehearse=alone)
+    slots = [Slot("fine", "reward", branch, 1) for branch in range(6)]
+    Threads(3)([partial(made.improve_reward, slot, best, [best]) for slot in slots])
+    assert most == 1

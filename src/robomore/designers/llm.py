@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from robomore.designers.history import HistorySettings
@@ -98,20 +98,21 @@ class LLMDesigner:
         self._check = check
         self._rehearse = rehearse
         self._pictures = pictures
-        # Branches ask side by side; trying rewards out and drawing take this machine's cores.
-        self._machine = threading.Lock()
+        # Only asking goes on side by side. Up to Python 3.12 `ast.parse` fails now and then when
+        # two threads parse (cpython#106905), and rehearsals should not slow each other down.
+        self._alone = threading.Lock()
         self._schema = morphology_schema(task)
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """Return a body unlike all `earlier` ones (paper, Alg. 1: ProposeMorphology)."""
         shown = earlier if self._settings.diversity else ()
-        prompt = render_prompt(self._task, "morphology", objective=self._objective, earlier=shown)
+        prompt = self._prompt("morphology", earlier=shown)
         return self._morphology(slot, prompt, shown)
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
         """Return a reward unlike all `earlier` ones (paper, Alg. 1: ProposeReward)."""
         shown = earlier if self._settings.diversity else ()
-        prompt = render_prompt(self._task, "reward", objective=self._objective, earlier=shown)
+        prompt = self._prompt("reward", earlier=shown)
         return self._reward(slot, prompt, shown)
 
     def improve_morphology(
@@ -133,19 +134,18 @@ class LLMDesigner:
     def _improvement(
         self, half: str, best: Evaluation, history: Sequence[Evaluation]
     ) -> list[Message]:
-        role, question = render_prompt(
-            self._task,
-            f"improve-{half}",
-            objective=self._objective,
-            best=best,
-            measured=history,
-            settings=self._settings.history,
+        role, question = self._prompt(
+            f"improve-{half}", best=best, measured=history, settings=self._settings.history
         )
-        with self._machine:
+        with self._alone:
             images = tuple(self._pictures(best)) if self._pictures else ()
         if not images:
             return [role, question]
         return [role, Message("user", f"{question.text}\n\n{render('pictures')}", images)]
+
+    def _prompt(self, kind: str, **given: Any) -> list[Message]:
+        with self._alone:
+            return render_prompt(self._task, kind, objective=self._objective, **given)
 
     def _morphology(
         self, slot: Slot, prompt: Sequence[Message], taken: Sequence[Morphology]
@@ -160,8 +160,7 @@ class LLMDesigner:
             reward = parse_reward(exchange.reply, taken, exchange.truncated, self._check)
             # A rehearsal measures time and may judge differently tomorrow: it is believed once.
             if exchange.findings is None and self._rehearse is not None:
-                with self._machine:
-                    found = self._rehearse(reward.source)
+                found = self._rehearse(reward.source)
                 # What is merely doubtful is said once; then the model knows what it wants.
                 if errors(found) or (found and not exchange.repair and self._settings.repairs):
                     raise BadReply(in_words(found))
@@ -177,14 +176,15 @@ class LLMDesigner:
         schema: dict[str, Any] | None,
     ) -> T:
         """Ask until a reply can be read, telling its faults each time (bounded)."""
-        messages = tuple(prompt)
+        messages = (*prompt[:-1], _afresh(prompt[-1], slot.attempt))
         for repair in range(self._settings.repairs + 1):
             request = Request(slot, repair, messages, schema, self._settings.sampling)
             exchange = self._correspondence.ask(request)
             try:
                 if exchange.findings:
                     raise BadReply(exchange.findings)
-                proposal = read(exchange)
+                with self._alone:
+                    proposal = read(exchange)
             except BadReply as bad:
                 self._correspondence.judge(exchange, bad.faults)
                 faults = bad.faults
@@ -195,6 +195,13 @@ class LLMDesigner:
             echo = exchange.reply[:_LONGEST_ECHO] or "(no answer)"
             messages = (*messages, Message("assistant", echo), repair_message(faults))
         raise ProposalFailed(
-            f"no usable {slot.kind} in {self._settings.repairs + 1} answers; the last one: "
+            f"no usable {slot.kind} in {self._settings.repairs + 1} answers; wrong with the last: "
             + "; ".join(faults)
         )
+
+
+def _afresh(question: Message, attempt: int) -> Message:
+    """Return the question of a fresh attempt: to the very same one, some say the very same."""
+    if not attempt:
+        return question
+    return replace(question, text=f"{question.text}\n\n{render('fresh', attempt=str(attempt + 1))}")
