@@ -100,6 +100,14 @@ def test_counts_and_best(progress: Progress) -> None:
     assert progress.best[1] == GRID[0]
 
 
+def test_what_screening_looked_at_is_not_the_best_of_the_search(progress: Progress) -> None:
+    look = Place(stage="screening", morphology=0)
+    progress(Finished(measured("x", 99.0), look, known=False))
+    progress(Finished(measured("y", 99.0, steps=200), GRID[3], known=False))
+    assert progress.best is not None
+    assert progress.best[0].key == "a"
+
+
 def test_the_final_is_not_the_best_of_the_search(progress: Progress) -> None:
     progress(BatchBegan(LAST, known=0))
     progress(Finished(measured("z", 99.0), LAST[0], known=False))

@@ -97,6 +97,12 @@ def test_a_body_is_one_entry_with_all_its_results() -> None:
     assert f"With another reward: efficiency {measured[1].efficiency:.4g}" in text
 
 
+def test_a_design_that_was_proposed_twice_is_told_once() -> None:
+    one = evaluation(body(0.3), reward(1), 5.0)
+    (told,) = bodies(SWIMMER, "efficiency", reward(1), [one, one])
+    assert told.text.count("With the current reward") == 1
+
+
 def test_a_reward_is_one_entry_with_all_its_results() -> None:
     few = [body(0.1 + i / 10) for i in range(9)]
     measured = grid(few, [reward(1), reward(2)])

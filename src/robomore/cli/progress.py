@@ -163,8 +163,10 @@ class Progress:
         if not evaluation.ok:
             self.trouble = f"{evaluation.status}: {evaluation.diagnosis}"
         score = evaluation.score(self.objective)
-        if place.stage == "final" or score is None:
+        if place.stage in ("screening", "final") or score is None:
             return
+        if self.run and evaluation.job.steps < self.run.settings.candidate.steps:
+            return  # Not trained to the end, so not to be compared with what is.
         former = self.best[0].score(self.objective) if self.best else None
         if former is None or score > former:
             self.best = evaluation, place

@@ -82,7 +82,7 @@ def bodies(
 ) -> list[Entry]:
     """Return one entry for each body in `history`, in the order of their first measurement."""
     grouped: dict[tuple[float, ...], list[Evaluation]] = {}
-    for evaluation in history:
+    for evaluation in _distinct(history):
         grouped.setdefault(evaluation.design.morphology.parameters, []).append(evaluation)
     full, entries = full_steps(history), []
     for number, (parameters, measured) in enumerate(grouped.items(), start=1):
@@ -98,7 +98,7 @@ def bodies(
 def rewards(objective: str, current: Morphology, history: Sequence[Evaluation]) -> list[Entry]:
     """Return one entry for each reward in `history`, in the order of their first measurement."""
     grouped: dict[str, list[Evaluation]] = {}
-    for evaluation in history:
+    for evaluation in _distinct(history):
         grouped.setdefault(evaluation.design.reward.source, []).append(evaluation)
     full, entries = full_steps(history), []
     for number, (source, measured) in enumerate(grouped.items(), start=1):
@@ -128,8 +128,9 @@ def tell(entries: Sequence[Entry], settings: HistorySettings, what: str) -> Told
     chosen = choose(entries, settings)
     text = "\n\n".join(entries[index].text for index in sorted(chosen))
     if len(chosen) == len(entries):
-        count = f"all {len(entries)}" if entries else "no"
-        return Told(text or "(nothing yet)", f"So far {count} {what} were measured; see above.")
+        if not entries:
+            return Told("(nothing yet)", f"So far no {what} were measured.")
+        return Told(text, f"These are all {len(entries)} {what} that were measured, oldest first.")
     in_turn = "; ".join(RULES[name] for name in settings.turns)
     return Told(
         text or "(left out)",
@@ -162,6 +163,11 @@ def choose(entries: Sequence[Entry], settings: HistorySettings) -> list[int]:
         if len(waiting) == before:
             break
     return chosen
+
+
+def _distinct(history: Sequence[Evaluation]) -> list[Evaluation]:
+    """Return each evaluation once: a design that was proposed twice was measured once."""
+    return list({evaluation.key: evaluation for evaluation in history}.values())
 
 
 def _results(
