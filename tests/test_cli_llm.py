@@ -18,14 +18,14 @@ from robomore.cli.llm import ModelOptions, language_model
 from robomore.designers import LanguageModel
 from robomore.designers.llm import LLMSettings
 from robomore.designers.prompting import KINDS, render_prompt
-from robomore.llm import Sampling, connect
+from robomore.llm import Exchange, Sampling, connect
 from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import Patience
 from robomore.report.command import command_line
 from robomore.settings import preset
 from robomore.store import Manifest
 from robomore.tasks import get_task
-from test_run_llm import CONVERSATION
+from test_run_llm import CONVERSATION, GOOD, OTHER, body, exchanges
 from untrained import Untrained
 
 pytest.importorskip("pydantic_ai")
@@ -96,6 +96,52 @@ def test_a_spent_budget_is_one_line_and_the_same_command_goes_on(
     assert found["cost"]["tokens"] == 120 * len(script.seen) and found["cost"]["dollars"] == 0
 
 
+def test_a_stubborn_slot_stays_empty_and_the_run_goes_on(
+    robomore_: Command, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    refusals = [("say", f"I would rather not, {number}.") for number in range(6)]
+    steps = [body(0.8), *refusals, GOOD, *refusals, OTHER]
+    with serve(*steps) as (url, script):
+        command = (
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--out", out, "--json"),
+        )
+        status, said, err = robomore_(*command)
+        assert status == 0, err
+        assert robomore_(*command)[0] == 0
+        # Once in three attempts of two answers each, and never again.
+        assert len(script.seen) == len(steps)
+    told = json.loads(said)
+    assert [one["slot"] for one in told["empty_slots"]] == [
+        "coarse morphology 2",
+        "fine morphology 1 of branch 1",
+    ]
+    assert "no JSON object" in told["empty_slots"][0]["reason"]
+    assert told["final"] and told["evaluations"] == {"ok": 4}
+    assert "coarse morphology 2, attempt 3: no usable morphology in 2 answers" in err
+    _, shown, _ = robomore_("show", out)
+    assert "2 slots stayed empty" in " ".join(shown.split())
+    assert "Slots that stayed empty" in (out / "report.html").read_text()
+
+
+def test_a_model_that_fills_no_slot_ends_the_run_in_one_line(
+    robomore_: Command, tmp_path: Path
+) -> None:
+    with serve(("say", "I would rather not.")) as (url, script):
+        command = (
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--out", tmp_path / "out"),
+        )
+        for _ in range(2):
+            status, _, err = robomore_(*command)
+            assert status == 1 and err.count("\n") == 1
+            assert "filled none of 2 slots for a morphology" in err and "no JSON object" in err
+            assert len(script.seen) == 2 * 3 * 2
+    status, shown, _ = robomore_("show", tmp_path / "out")
+    assert status == 0 and "2 slots stayed empty" in " ".join(shown.split())
+
+
 def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: Path) -> None:
     with serve("broken") as (url, script):
         status, _, err = robomore_(
@@ -104,6 +150,40 @@ def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: 
         )
     assert status == 1 and len(script.seen) == Patience().tries
     assert "run the same command again" in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("fault", "tries", "exit_status", "said"),
+    [
+        ("busy_for_an_hour", 1, 1, "asks to wait 3600 s"),
+        ("broken", 6, 1, "HTTP 500"),
+        ("drop", 6, 1, "no connection"),
+        ("half", 6, 1, "cannot be read"),
+        ("no_choices", 6, 1, "without content"),
+        ("page", 6, 1, "ends in /v1"),
+        ("wrong_model", 1, 2, "no model of the name"),
+        ("wrong_key", 1, 2, "the key was refused"),
+    ],
+)
+def test_whatever_a_server_does_is_one_line_and_the_same_command_goes_on(
+    robomore_: Command, tmp_path: Path, fault: str, tries: int, exit_status: int, said: str
+) -> None:
+    steps = [*CONVERSATION[:2], *[fault] * tries, *CONVERSATION[2:-1]]
+    with serve(*steps) as (url, script):
+        command = (
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--json", "--out", tmp_path / "out"),
+        )
+        status, out, err = robomore_(*command)
+        assert (status, out) == (exit_status, "") and len(script.seen) == 2 + tries
+        assert said in err and err.count("\n") == 1 and KEY not in err
+        status, out, err = robomore_(*command)
+        assert status == 0, err
+    # What was answered before the fault was not asked for again.
+    assert len(script.seen) == len(steps) == json.loads(out)["cost"]["requests"]
+    assert [one.reply for one in exchanges(tmp_path / "out")] == [
+        step[1] for step in steps if isinstance(step, tuple)
+    ]
 
 
 def test_a_replay_over_the_command_line(robomore_: Command, finished: Path, tmp_path: Path) -> None:
@@ -115,6 +195,92 @@ def test_a_replay_over_the_command_line(robomore_: Command, finished: Path, tmp_
     _, before, _ = robomore_("show", finished, "--json")
     mine, theirs = json.loads(out), json.loads(before)
     assert mine["champion"] == theirs["champion"] and mine["way"] == theirs["way"]
+
+
+def test_what_the_settings_do_stands_in_the_ledger(
+    robomore_: Command, finished: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    with serve(("say", "no"), body(0.8), body(0.8), GOOD, body(0.7), OTHER) as (url, _):
+        status, _, err = robomore_(
+            *("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1", "--quiet"),
+            *("--designer", "llm", "--base-url", url, "--model", "toy", "--parallel", "1"),
+            *("--no-diversity", "--repairs", "0", "--temperature", "0.7", "--out", out),
+            *("--history-rule", "recent+worst", "--history-tokens", "10"),
+        )
+    assert status == 0, err
+    usual, mine = exchanges(finished), exchanges(out)
+    # Diversity Reflection: earlier proposals in the prompt, or a body said twice is no fault.
+    assert [len(_with(run, "Earlier designs")) for run in (usual, mine)] == [3, 0]
+    assert [one.reply for one in mine if one.findings == ()].count(body(0.8)[1]) == 2
+    # Repairs: a second answer in the same attempt, or a fresh attempt.
+    assert {one.repair for one in usual} == {0, 1} and {one.repair for one in mine} == {0}
+    assert [one.slot.attempt for one in mine] == [0, 1, 0, 0, 0, 0]
+    # The history's rule is said in the prompt.
+    said = "taken in turn (the latest; the worst by score)"
+    assert [len(_with(run, said)) for run in (usual, mine)] == [0, 2]
+    assert {one.sampling.temperature for one in mine} == {0.7}
+    settings = Manifest.load(out / "run.json").designer_settings
+    assert (settings["diversity"], settings["repairs"]) == (False, 0)
+    assert settings["history"] == {"tokens": 10, "rule": "recent+worst"}
+    # And `prompt` shows what such a run sends.
+    assert "Earlier designs" in robomore_("prompt", "swimmer", "morphology", "--from", finished)[1]
+    assert "Earlier designs" not in robomore_("prompt", "swimmer", "morphology", "--from", out)[1]
+
+
+def _with(kept: list[Exchange], words: str) -> list[Exchange]:
+    return [one for one in kept if words in one.messages[1].text]
+
+
+def test_another_trainer_reuses_the_proposals_over_the_command_line(
+    robomore_: Command, finished: Path, tmp_path: Path
+) -> None:
+    def replay(out: Path, *more: str) -> Said:
+        return robomore_(
+            *("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1"),
+            *("--designer", "replay", "--from", finished, "--trainer", "sac", *more),
+            *("--trainer-option", "warm_up_steps=500", "--out", out, "--quiet", "--json"),
+        )
+
+    # Other numbers make other prompts, so by content the two runs part in the fine stage.
+    status, _, err = replay(tmp_path / "content")
+    assert status == 2 and "another prompt for fine morphology 1 of branch 1" in err
+    assert "replay it by slot" in err and err.count("\n") == 1
+    status, out, err = replay(tmp_path / "slot", "--by", "slot")
+    assert status == 0, err
+    told = json.loads(out)
+    assert told["final"] and told["cost"]["requests"] == 0
+    mine, theirs = exchanges(tmp_path / "slot"), exchanges(finished)
+    assert [(one.slot, one.repair, one.reply) for one in mine] == [
+        (one.slot, one.repair, one.reply) for one in theirs
+    ]
+    assert Manifest.load(tmp_path / "slot" / "run.json").settings.trainer.name == "sac"
+
+
+def test_a_replay_that_goes_further_than_the_recording_does_without(
+    robomore_: Command, finished: Path, tmp_path: Path
+) -> None:
+    """Under another trainer a branch may still improve where the recorded one had ended."""
+    command = ("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1", "--json")
+    replay = (*command, "--quiet", "--designer", "replay", "--from", finished, "--by", "slot")
+    for number in range(1, 20):
+        out = tmp_path / str(number)
+        # Its numbers are made from its settings, so some trainer improves something.
+        other = ("--cycles", "2", "--trainer-option", f"policy_rate={number}e-4")
+        status, said, err = robomore_(*replay, *other, "--out", out)
+        assert status == 0, err
+        if (told := json.loads(said))["empty_slots"]:
+            break
+    assert [one["slot"] for one in told["empty_slots"]] == [
+        "fine morphology 2 of branch 1",
+        "fine reward 2 of branch 1",
+    ]
+    assert "2 slots stayed empty" in " ".join(told["cautions"])
+    _, shown, _ = robomore_("show", out)
+    assert "2 slots stayed empty" in " ".join(shown.split())
+    # A grid that is larger than the recorded one is another matter.
+    status, _, err = robomore_(*replay, "--morphologies", "3", "--out", tmp_path / "larger")
+    assert status == 2 and "ends before coarse morphology 3" in err
 
 
 @pytest.mark.parametrize(
@@ -196,6 +362,38 @@ def test_the_prompts_of_a_run_are_those_that_were_sent(robomore_: Command, tmp_p
     assert found["schema"] == sent["response_format"]["json_schema"]["schema"] | {
         "title": "morphology"
     }
+
+
+def test_the_prompt_of_a_run_with_pictures_is_the_one_that_was_sent(
+    robomore_: Command, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    with serve(*CONVERSATION[:7], "broken") as (url, script):
+        robomore_(
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--vision", "--quiet", "--out", out),
+        )
+    _, said, _ = robomore_("prompt", "swimmer", "improve-morphology", "--from", out, "--json")
+    text, *pictures = script.seen[-1]["messages"][1]["content"]
+    assert json.loads(said)["messages"][1]["text"] == text["text"] and pictures
+
+
+def test_a_model_is_told_whose_training_was_cut_short(robomore_: Command, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with serve(*CONVERSATION[:7], "broken") as (url, script):
+        robomore_(
+            *("run", "swimmer", *TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--screening", "halving", "--quiet", "--out", out),
+        )
+    sent = script.seen[-1]["messages"]
+    assert "after only 410 of 2,048 training steps" in sent[1]["content"]
+    assert "Full training takes 2,048 steps" in sent[1]["content"]
+    assert sent[1]["content"].count("## Body") == 2
+    # Screening compares bodies under the reference reward, which is nobody's business.
+    assert get_task("swimmer").reward.split("\n")[2] not in sent[1]["content"]
+    _, said, _ = robomore_("prompt", "swimmer", "improve-morphology", "--from", out, "--json")
+    told = [message["text"] for message in json.loads(said)["messages"]]
+    assert told == [message["content"] for message in sent]
 
 
 def test_prompts_need_a_run_to_improve_on(robomore_: Command, finished: Path) -> None:

@@ -17,6 +17,7 @@ from robomore.events import (
     Progressed,
     Proposed,
     RunBegan,
+    Spent,
     Started,
 )
 from robomore.settings import Budget, RunSettings, SearchSettings
@@ -99,6 +100,14 @@ def test_counts_and_best(progress: Progress) -> None:
     assert progress.best[1] == GRID[0]
     progress(Finished(measured("d", 2.0), GRID[3], known=False))
     assert progress.best[1] == GRID[0]
+
+
+def test_what_screening_looked_at_is_not_the_best_of_the_search(progress: Progress) -> None:
+    look = Place(stage="screening", morphology=0)
+    progress(Finished(measured("x", 99.0), look, known=False))
+    progress(Finished(measured("y", 99.0, steps=200), GRID[3], known=False))
+    assert progress.best is not None
+    assert progress.best[0].key == "a"
 
 
 def test_the_final_is_not_the_best_of_the_search(progress: Progress) -> None:
@@ -198,3 +207,25 @@ def test_plain_lines_tell_stages_bests_and_failures_but_not_everything(clock: Cl
     assert best.startswith("[coarse 1/4] best so far: 6.000")
     assert "reward-failed" in failure
     assert late.startswith("[coarse 4/4] 2.000")
+
+
+def test_plain_lines_tell_of_slots_that_failed_and_now_and_then_of_the_bill(clock: Clock) -> None:
+    stream = io.StringIO()
+    lines = PlainLines(stream, clock)
+    lines(BEGAN)
+    lines(Spent(1, 500, None))
+    lines(Proposed(Slot("coarse", "reward", 0, 1, attempt=2), "", "no\n\x1b[2J" + "o" * 5_000))
+    clock.now += 60
+    lines(Spent(12, 34_000, 0.256))
+    *_, failure, spent = stream.getvalue().split("\n")[:-1]
+    assert failure.startswith("coarse reward 2, attempt 3: no ") and len(failure) < 400
+    assert "\x1b" not in failure
+    assert spent.startswith("language model: 12 requests, 34,000 tokens, $0.26; 1 min 00 s so far")
+    assert stream.getvalue().count("language model") == 1
+
+
+def test_the_live_view_shows_the_bill(progress: Progress) -> None:
+    console = Console(file=io.StringIO(), width=100)
+    progress(Spent(3, 4_000, None))
+    console.print(render(progress))
+    assert "language model: 3 requests, 4,000 tokens, of unknown price" in console.file.getvalue()

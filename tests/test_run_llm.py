@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+import zlib
+from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -29,6 +31,7 @@ from robomore.llm import Exchange, ModelBudget, Sampling, Spending, connect
 from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import Patience
 from robomore.report.summary import summarise
+from robomore.settings import RunSettings
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import get_task
 from test_run import TINY, numbers
@@ -70,10 +73,19 @@ CONVERSATION: list[str | tuple[str, str]] = [
 """What the server says to a run of `TINY` with one repair, in order."""
 
 
-def talk(out: Path, url: str, **options: object) -> Path:
-    model = connect("toy", base_url=url, patience=Patience(tries=1))
+ONCE = Patience(tries=1)
+
+
+def talk(
+    out: Path,
+    url: str,
+    patience: Patience = ONCE,
+    settings: RunSettings = TINY,
+    **options: object,
+) -> Path:
+    model = connect("toy", base_url=url, patience=patience)
     chosen = LanguageModel(model, SETTINGS, server=url, **options)  # type: ignore[arg-type]
-    return run("swimmer", TINY, chosen, seed=1, workers=2, out=out).folder
+    return run("swimmer", settings, chosen, seed=1, workers=2, out=out).folder
 
 
 @pytest.fixture(autouse=True)
@@ -159,7 +171,7 @@ def test_a_replay_is_the_run_to_the_last_digit(
 
 def test_a_replay_of_another_search_says_where_it_parts(drafted: Path, tmp_path: Path) -> None:
     other = replace(TINY, search=replace(TINY.search, objective="fitness"))
-    with pytest.raises(InputError, match="another prompt for coarse morphology 0"):
+    with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
         run("swimmer", other, Replay(drafted), seed=1, out=tmp_path / "other")
 
 
@@ -210,6 +222,167 @@ def test_a_run_killed_again_and_again_pays_for_nothing_twice(drafted: Path, tmp_
         subprocess.run(command, check=True, timeout=300)
     assert len(script.seen) == len(exchanges(out)) == len(CONVERSATION) - 1
     assert numbers(out) == numbers(drafted)
+
+
+def test_a_server_that_fails_in_every_way_and_a_run_killed_in_between(
+    drafted: Path, tmp_path: Path
+) -> None:
+    """Nothing is lost, nothing is asked for twice, and what comes out is what always comes out."""
+    faults = ("busy_for_a_second", "broken", "drop", "no_choices", "half", "page", "unavailable")
+    steps: list[str | tuple[str, str]] = []
+    killed_at = []
+    for number, answer in enumerate(CONVERSATION[:-1]):
+        steps += [faults[number % len(faults)]]
+        if number in (0, 4, 8):
+            # Stalled, the server has a request and has given no answer: the moment to be killed.
+            killed_at.append(len(steps))
+            steps.append("stall")
+        if number == 5:
+            steps.append("stall")  # this one is waited out
+        steps.append(answer)
+    program = textwrap.dedent(
+        """
+        import sys
+        from pathlib import Path
+        sys.path.insert(0, sys.argv[3])
+        import robomore.experiment
+        from robomore.llm.retry import Patience
+        from test_run_llm import talk
+        from untrained import Untrained
+        robomore.experiment.Processes = Untrained
+        talk(Path(sys.argv[1]), sys.argv[2], Patience(first_wait=0.01, seconds=6.0))
+        """
+    )
+    out = tmp_path / "out"
+    with serve(*steps) as (url, script):
+        command = [sys.executable, "-c", program, str(out), url, str(Path(__file__).parent)]
+        for stalled in killed_at:
+            process = subprocess.Popen(command)
+            _wait(lambda stalled=stalled: len(script.seen) > stalled, process)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            answered = sum(isinstance(step, tuple) for step in steps[:stalled])
+            assert len(_so_far(out)) == answered and len(script.seen) == stalled + 1
+        subprocess.run(command, check=True, timeout=300)
+    assert len(script.seen) == len(steps)
+    assert [one.reply for one in exchanges(out)] == [text for _, text in CONVERSATION[:-1]]
+    assert numbers(out) == numbers(drafted)
+    # Every request counts, those in vain and those under way at a kill among them.
+    assert summarise(out).spending.requests == len(steps)
+
+
+BROAD = replace(TINY, search=replace(TINY.search, morphologies=3, rewards=2, survivors=0.5))
+"""Three branches."""
+
+
+class Thoughtful:
+    """A server's answers: each follows from the request alone. Counts how many it gives at once."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.gate = threading.Event()
+        self.gate.set()
+        self.under_way: list[dict[str, Any]] = []
+        self.most = {"coarse": 0, "fine": 0}
+
+    def __call__(self, asked: dict[str, Any]) -> str:
+        said = json.dumps(asked["messages"])
+        stage = "fine" if "The best so far" in said else "coarse"
+        with self.lock:
+            self.under_way.append(asked)
+            self.most[stage] = max(self.most[stage], len(self.under_way))
+        time.sleep(0.1)
+        if stage == "fine":
+            self.gate.wait(60)
+        with self.lock:
+            self.under_way.remove(asked)
+        number = zlib.crc32(said.encode())
+        if "response_format" in asked:
+            return body(0.5 + number / 2**33)[1]
+        # Each reward is a fault at first.
+        if len(asked["messages"]) == 2:
+            return "Let me think."
+        return program(f"return {number} * x_velocity, {{'speed': x_velocity}}")[1]
+
+
+@pytest.mark.parametrize("diversity", [True, False])
+def test_side_by_side_or_in_turn_the_run_is_the_same(
+    tmp_path: Path, untrained: None, diversity: bool
+) -> None:
+    found = []
+    settings = replace(SETTINGS, diversity=diversity)
+    for parallel in (1, 3):
+        mind = Thoughtful()
+        with serve(mind) as (url, script):
+            chosen = LanguageModel(
+                connect("toy", base_url=url), settings, server=url, parallel=parallel
+            )
+            out = run("swimmer", BROAD, chosen, seed=1, out=tmp_path / str(parallel)).folder
+        assert mind.most == {
+            "coarse": 1 if diversity or parallel == 1 else 3,
+            "fine": parallel,
+        }
+        kept = sorted((one.key, one.reply, one.findings) for one in exchanges(out))
+        assert len(kept) == len(script.seen)
+        found.append((numbers(out), kept))
+    assert found[0] == found[1]
+
+
+def test_killed_with_several_answers_under_way_only_those_are_asked_for_again(
+    tmp_path: Path, untrained: None
+) -> None:
+    program = textwrap.dedent(
+        """
+        import sys
+        from pathlib import Path
+        sys.path.insert(0, sys.argv[3])
+        import robomore.experiment
+        from test_run_llm import BROAD, talk
+        from untrained import Untrained
+        robomore.experiment.Processes = Untrained
+        talk(Path(sys.argv[1]), sys.argv[2], settings=BROAD, parallel=3)
+        """
+    )
+    mind = Thoughtful()
+    with serve(mind) as (url, script):
+        whole = talk(tmp_path / "whole", url, settings=BROAD)
+        once = len(script.seen)
+        mind.gate.clear()
+        out = tmp_path / "killed"
+        command = [sys.executable, "-c", program, str(out), url, str(Path(__file__).parent)]
+        process = subprocess.Popen(command)
+        _wait(lambda: len(mind.under_way) == 3, process)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        kept = len(_so_far(out))
+        assert len(script.seen) == once + kept + 3
+        mind.gate.set()
+        subprocess.run(command, check=True, timeout=300)
+        assert len(script.seen) == 2 * once + 3
+    assert numbers(out) == numbers(whole)
+    assert summarise(out).spending.requests == once + 3
+
+
+def test_ctrl_c_does_not_wait_for_a_silent_server_and_the_run_goes_on(tmp_path: Path) -> None:
+    """Branches ask from threads; none of them may keep the program from ending."""
+    out = tmp_path / "out"
+    mind = Thoughtful()
+    mind.gate.clear()
+    with serve(mind) as (url, script):
+        command = [sys.executable, "-c", INTERRUPTED, str(out), url, str(Path(__file__).parent)]
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        _wait(lambda: len(mind.under_way) == mind.most["fine"] == 3, process)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=30)
+        assert process.returncode == 130, said
+        assert said.startswith("robomore: stopped; 12 evaluations are kept")
+        assert said.count("\n") == 1
+        asked = len(script.seen)
+        mind.gate.set()
+        assert subprocess.run(command, check=False, timeout=300).returncode == 0
+        # Those under way at the Ctrl-C were asked for again, and nothing else.
+        assert len(script.seen) - asked >= 3
+    assert len(exchanges(out)) == len(script.seen) - 3
 
 
 def test_a_spent_budget_ends_the_run_and_a_larger_one_goes_on(
@@ -310,11 +483,11 @@ def test_no_key_reaches_a_worker_or_a_rewards_process(
 
 
 def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) -> None:
-    """With a real llama.cpp server of random weights where there is one, else a scripted one."""
-    settings = LLMSettings(history=HistorySettings(500), sampling=Sampling(temperature=1.5, seed=1))
+    """In earnest, but for the model (`test_quick_llm.py` has a real server)."""
     small = replace(TINY, search=replace(TINY.search, morphologies=1))
-    with _any_server(tmp_path) as url:
-        chosen = LanguageModel(connect("random", base_url=url), settings, server=url)
+    with serve("page", body(0.8), "broken", GOOD, body(0.7), OTHER) as (url, _):
+        patience = Patience(first_wait=0.01)
+        chosen = LanguageModel(connect("toy", base_url=url, patience=patience), server=url)
         folder = run("swimmer", small, chosen, seed=1, workers=2, out=tmp_path / "run").folder
     accepted = [one for one in exchanges(folder) if one.findings == ()]
     stages = [(one.slot.stage, one.slot.kind) for one in accepted]
@@ -323,17 +496,21 @@ def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) 
     assert (folder / "champion" / "policy.npz").is_file()
 
 
-@contextmanager
-def _any_server(folder: Path) -> Iterator[str]:
-    if find_spec("xllamacpp") and find_spec("gguf"):
-        from llm.llama import serve_llama
-
-        with serve_llama(folder) as url:
-            yield url
-    else:
-        bodies = (body(0.8), body(0.7))
-        with serve("page", bodies[0], "broken", GOOD, bodies[1], OTHER) as (url, _):
-            yield url
+INTERRUPTED = textwrap.dedent(
+    """
+    import sys
+    sys.path.insert(0, sys.argv[3])
+    import robomore.experiment
+    from robomore.cli import main
+    from untrained import Untrained
+    robomore.experiment.Processes = Untrained
+    sys.exit(main([
+        "run", "swimmer", "--preset", "smoke", "--morphologies", "6", "--seed", "1",
+        "--designer", "llm", "--base-url", sys.argv[2], "--model", "toy",
+        "--out", sys.argv[1], "--quiet",
+    ]))
+    """
+)
 
 
 def _so_far(out: Path) -> list[Exchange]:

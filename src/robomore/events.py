@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,6 +45,21 @@ class Proposed:
     slot: Slot
     idea: str
     failure: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Spent:
+    """A language model answered.
+
+    Attributes:
+        requests: sent by the run so far, interruptions included.
+        tokens: in and out.
+        dollars: US dollars; `None` where a price is not known.
+    """
+
+    requests: int
+    tokens: int
+    dollars: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +111,19 @@ class Cut:
     reason: str
 
 
-Event = RunBegan | Proposed | BatchBegan | Started | Progressed | Finished | Cut
+Event = RunBegan | Proposed | Spent | BatchBegan | Started | Progressed | Finished | Cut
 Observer = Callable[[Event], None]
+
+
+def one_at_a_time(observe: Observer) -> Observer:
+    """Return an observer that may be told from several threads."""
+    lock = threading.Lock()
+
+    def tell(event: Event) -> None:
+        with lock:
+            observe(event)
+
+    return tell
 
 
 def ignore(event: Event) -> None:

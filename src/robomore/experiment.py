@@ -23,10 +23,10 @@ from robomore.evaluation.evaluator import Evaluator
 from robomore.evaluation.pictures import pictures
 from robomore.evaluation.rehearse import Rehearsal
 from robomore.evaluation.request import Request
-from robomore.events import Observer, RunBegan, ignore
-from robomore.executors import Processes
+from robomore.events import Observer, RunBegan, Spent, ignore, one_at_a_time
+from robomore.executors import Processes, Threads
 from robomore.identity import job_key
-from robomore.llm import Correspondence, MemoryLog, ReplayModel
+from robomore.llm import Correspondence, MemoryLog, ReplayModel, Spending
 from robomore.report import write_report
 from robomore.sandbox.contain import Containment
 from robomore.sandbox.layers import ensure, missing
@@ -91,13 +91,14 @@ def run(
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
     task = get_task(task) if isinstance(task, str) else task
+    observe = one_at_a_time(observe)
     name = name or (settings if isinstance(settings, str) else "custom")
     workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     objective = settings.search.objective
     mode, layers = _containment(containment, ours=designer in _OURS)
-    chosen = _chosen(designer, task, seed, objective, mode)
+    chosen = _chosen(designer, task, seed, objective, mode, observe)
     manifest = Manifest(
         *(task.id, task.version, name, chosen.name, chosen.provenance, seed, settings),
         designer_settings=chosen.settings,
@@ -132,6 +133,7 @@ def run(
                 settings.search,
                 human.reward,
                 ledger.noting(observe),
+                Threads(chosen.parallel),
             )
             outcome = final(
                 partial(evaluator.measure, budget=settings.final),
@@ -219,6 +221,7 @@ class _Chosen:
     provenance: str
     make: Callable[[RunFolder, ExitStack], Designer]
     settings: dict[str, Any] = field(default_factory=dict)
+    parallel: int = 1
 
 
 def _chosen(
@@ -227,6 +230,7 @@ def _chosen(
     seed: int,
     objective: str,
     containment: Containment,
+    observe: Observer,
 ) -> _Chosen:
     if isinstance(designer, str):
         made = make_designer(designer, task, seed, objective)
@@ -235,11 +239,15 @@ def _chosen(
     # Before anything is written, refuse a limit that cannot be kept.
     Correspondence(model.model, MemoryLog(), model.budget)
 
+    def watch(spent: Spending) -> None:
+        dollars = None if spent.unpriced else spent.cost
+        observe(Spent(spent.requests, spent.tokens, dollars))
+
     def make(folder: RunFolder, stack: ExitStack) -> Designer:
         log = stack.enter_context(closing(LedgerExchanges(folder.ledger)))
         return LLMDesigner(
             task,
-            Correspondence(model.model, log, model.budget),
+            Correspondence(model.model, log, model.budget, watch),
             model.settings,
             objective=objective,
             rehearse=Rehearsal(task, folder.scratch, containment),
@@ -250,7 +258,7 @@ def _chosen(
     if isinstance(designer, Replay):
         identity = {**model.identity, "replayed": designer.by}
         return _Chosen(Replay.name, f"{provenance}, as recorded in {designer.run}.", make, identity)
-    return _Chosen(LanguageModel.name, f"{provenance}.", make, model.identity)
+    return _Chosen(LanguageModel.name, f"{provenance}.", make, model.identity, model.parallel)
 
 
 _OURS = ("offline", "human", "random")

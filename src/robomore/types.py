@@ -6,6 +6,7 @@ This module imports nothing of RoboMoRe but `errors`, and nothing heavy.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
@@ -173,6 +174,15 @@ class Evaluation:
         return self.efficiency if objective == "efficiency" else self.fitness
 
 
+def finished(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
+    """Return those that were trained to the end, and those that failed on the way.
+
+    Screening cuts the training of others short, and numbers after fewer steps do not compare.
+    """
+    full = max((e.job.steps for e in evaluations), default=0)
+    return [e for e in evaluations if e.job.steps == full or not e.ok]
+
+
 @dataclass(frozen=True, slots=True)
 class Slot:
     """The place of one proposal in a run. Seeds its random state and names its LLM exchange,
@@ -191,6 +201,12 @@ class Slot:
     branch: int
     index: int
     attempt: int = 0
+
+    def __str__(self) -> str:
+        """In words, counted from one: `coarse morphology 3`, `fine reward 2 of branch 1`."""
+        if self.stage == "fine":
+            return f"fine {self.kind} {self.index} of branch {self.branch + 1}"
+        return f"{self.stage} {self.kind} {self.index + 1}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,7 +20,7 @@ from robomore.designers.history import (
 )
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
-from robomore.types import Status
+from robomore.types import Evaluation, Status
 
 
 def entry(score: float | None, place: float = 0.0, length: int = 40) -> Entry:
@@ -97,6 +97,12 @@ def test_a_body_is_one_entry_with_all_its_results() -> None:
     assert f"With another reward: efficiency {measured[1].efficiency:.4g}" in text
 
 
+def test_a_design_that_was_proposed_twice_is_told_once() -> None:
+    one = evaluation(body(0.3), reward(1), 5.0)
+    (told,) = bodies(SWIMMER, "efficiency", reward(1), [one, one])
+    assert told.text.count("With the current reward") == 1
+
+
 def test_a_reward_is_one_entry_with_all_its_results() -> None:
     few = [body(0.1 + i / 10) for i in range(9)]
     measured = grid(few, [reward(1), reward(2)])
@@ -119,6 +125,47 @@ def test_an_entry_without_success_at_hand_tells_the_best_elsewhere_in_full() -> 
     assert "On another body, its best: efficiency" in told.text
     assert "(fitness 2 m" in told.text.split("its best")[1]
     assert told.text.count("How it moved") == 1
+
+
+def cut(one: Evaluation, steps: int) -> Evaluation:
+    return replace(one, job=replace(one.job, steps=steps))
+
+
+def test_what_was_cut_short_says_so_and_stands_below_the_rest() -> None:
+    measured = [
+        cut(evaluation(body(0.3), reward(1), 90.0), 200),
+        evaluation(body(0.5), reward(1), 5.0),
+        cut(evaluation(body(0.7), reward(1), 95.0), 500),
+        evaluation(body(0.9), reward(1), 7.0),
+    ]
+    entries = bodies(SWIMMER, "fitness", reward(1), measured)
+    assert "m^3) after only 200 of 1,000 training steps" in entries[0].text
+    assert "steps" not in entries[1].text
+    assert choose(entries, HistorySettings(10_000, "best")) == [3, 1, 2, 0]
+    assert choose(entries, HistorySettings(10_000, "worst")) == [0, 2, 1, 3]
+
+
+def test_a_body_counts_by_what_was_trained_longest() -> None:
+    mixed = [
+        cut(evaluation(body(0.3), reward(1), 90.0), 200),
+        evaluation(body(0.3), reward(2), 5.0),
+    ]
+    (told,) = bodies(SWIMMER, "fitness", reward(3), mixed)
+    assert (told.score, told.steps) == (5.0, 1000)
+    assert "With another reward, its best: efficiency" in told.text
+    assert "(fitness 5 m" in told.text.split("its best")[1].split("\n")[0]
+
+
+def test_many_results_are_summed_up_apart_by_their_steps() -> None:
+    few = [body(0.1 + i / 10) for i in range(16)]
+    measured = [
+        cut(evaluation(one, reward(1), float(i)), 200 if i < 8 else 1000)
+        for i, one in enumerate(few)
+    ]
+    (told,) = rewards("fitness", body(2.9), measured)
+    assert "On another body, 7 times: efficiency" in told.text
+    assert "On another body, 8 times after only 200 of 1,000 training steps: " in told.text
+    assert "fitness 8 to 14, median" in told.text and "fitness 0 to 7, median" in told.text
 
 
 def test_failures_are_counted_and_quoted_once() -> None:

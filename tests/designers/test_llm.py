@@ -7,7 +7,10 @@ import re
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
+from threading import Barrier, Lock
+from time import sleep
 
 import pytest
 from measured import SWIMMER, body, evaluation, grid, reward
@@ -20,6 +23,7 @@ from robomore.designers.designer import Designer
 from robomore.designers.history import HistorySettings
 from robomore.designers.llm import LLMDesigner, LLMSettings
 from robomore.errors import BudgetExhausted, InputError, ProposalFailed
+from robomore.executors import Threads
 from robomore.llm import Correspondence, MemoryLog, ModelBudget, ReplayModel, Request, Sampling
 from robomore.sandbox.check import Finding
 from robomore.types import Slot
@@ -114,6 +118,10 @@ def test_a_fresh_attempt_is_a_new_exchange() -> None:
     with pytest.raises(ProposalFailed):
         made.propose_morphology(BODY, [])
     assert made.propose_morphology(Slot("coarse", "morphology", 0, 0, attempt=1), [])
+    # A model that is not left to chance would say the same again to the same words.
+    first, second = (asked.messages for asked in model.asked)
+    assert second[0] == first[0]
+    assert second[1].text.startswith(first[1].text) and "attempt 2" in second[1].text
 
 
 def test_what_was_tried_is_not_proposed_again() -> None:
@@ -266,7 +274,7 @@ def test_a_replay_with_other_settings_says_so() -> None:
     log = MemoryLog()
     whole_run(designer(ScriptedModel(clumsy), log))
     other = designer(ReplayModel(log), settings=LLMSettings(diversity=False))
-    with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
+    with pytest.raises(InputError, match="another prompt for coarse morphology 2"):
         whole_run(other)
 
 
@@ -320,3 +328,70 @@ def test_over_a_real_connection_that_misbehaves() -> None:
         again.propose_reward(REWARD, [])
     assert sent == len(script.seen) == len(steps)
     assert [exchange.tries for exchange in log.all()] == [4, 2, 1]
+
+
+def test_a_budget_of_requests_counts_each_try_and_is_never_passed() -> None:
+    pytest.importorskip("pydantic_ai")
+    from robomore.llm import connect
+    from robomore.llm.retry import Patience
+
+    log = MemoryLog()
+    with serve("broken", "half", "broken", ("say", said(0.3)), ("say", coded(1))) as (url, script):
+        model = connect("toy", base_url=url, patience=Patience(first_wait=0.01))
+        model._sleep = lambda seconds: None
+        for allowed, sent in ((2, 2), (2, 2), (3, 3)):
+            made = designer(model, log, budget=ModelBudget(requests=allowed))
+            with pytest.raises(BudgetExhausted, match="--max-requests"):
+                made.propose_morphology(BODY, [])
+            assert len(script.seen) == log.spent().requests == sent
+        made = designer(model, log, budget=ModelBudget(requests=5))
+        assert made.propose_morphology(BODY, []).parameters[0] == 0.3
+        assert made.propose_reward(REWARD, []).source == reward(1).source
+    assert len(script.seen) == log.spent().requests == 5
+
+
+def test_side_by_side_a_spent_budget_costs_nothing_but_the_wait() -> None:
+    """Which branch is refused depends on timing; what comes out in the end does not."""
+    best = evaluation(body(0.9), reward(9), 9.0)
+    slots = [Slot("fine", "reward", branch, 1) for branch in range(6)]
+
+    def answer(asked: Request) -> str:
+        return coded(asked.slot.branch + 1) if asked.repair else "wait"
+
+    def ask(log: MemoryLog, limit: int | None) -> list[object]:
+        made = designer(ScriptedModel(answer), log, budget=ModelBudget(requests=limit))
+        return Threads(3)([partial(made.improve_reward, slot, best, [best]) for slot in slots])
+
+    expected, log = ask(MemoryLog(), None), MemoryLog()
+    for limit in range(1, 12):
+        with pytest.raises(BudgetExhausted):
+            ask(log, limit)
+        assert log.spent().requests == limit
+    assert ask(log, 12) == expected
+    assert len(log.all()) == log.spent().requests == 12
+
+
+def test_only_asking_goes_on_side_by_side() -> None:
+    """Up to Python 3.12 two threads must not parse at once, and rehearsals measure time."""
+    best = evaluation(body(0.9), reward(9), 9.0)
+    asking = Barrier(3, timeout=20)
+    lock, under_way, most = Lock(), 0, 0
+
+    def alone(source: str) -> list[Finding]:
+        nonlocal under_way, most
+        with lock:
+            under_way += 1
+            most = max(most, under_way)
+        sleep(0.01)
+        with lock:
+            under_way -= 1
+        return []
+
+    def answer(asked: Request) -> str:
+        asking.wait()
+        return coded(asked.slot.branch + 1)
+
+    made = designer(ScriptedModel(answer), check=alone, rehearse=alone)
+    slots = [Slot("fine", "reward", branch, 1) for branch in range(6)]
+    Threads(3)([partial(made.improve_reward, slot, best, [best]) for slot in slots])
+    assert most == 1

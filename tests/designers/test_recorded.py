@@ -20,6 +20,7 @@ class Moody:
     """Fails in chosen attempts and never says the same twice."""
 
     name = "moody"
+    reflects = True
     provenance = "No LLM was used."
 
     def __init__(self, failing: Sequence[int] = ()) -> None:
@@ -77,5 +78,5 @@ def test_failures_are_remembered_too(tmp_path: Path) -> None:
 def test_out_of_attempts_the_reason_is_told(tmp_path: Path) -> None:
     ledger = Ledger(tmp_path / "ledger.sqlite")
     designer = RecordedDesigner(Moody(failing=[0, 1, 2]), ledger)
-    with pytest.raises(ProposalFailed, match=r"morphology 0 in 3 attempts.*not in the mood \(2\)"):
+    with pytest.raises(ProposalFailed, match=r"morphology 1 in 3 attempts.*not in the mood \(2\)"):
         designer.propose_morphology(SLOT, [])

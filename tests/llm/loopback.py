@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -14,17 +14,21 @@ from typing import Any
 KEY = "sk-test-0123456789abcdef"
 
 
+Step = str | tuple[str, str] | Callable[[dict[str, Any]], str]
+
+
 @dataclass
 class Script:
     """What the server does with each request in turn; the last entry is repeated.
 
     Attributes:
-        steps: names of `_Handler` methods, or (`say`, text).
+        steps: names of `_Handler` methods, (`say`, text), or functions of the request's body that
+            return the text; these may be asked side by side.
         seen: bodies of the requests, in order.
         keys: the authorization of each request.
     """
 
-    steps: list[str | tuple[str, str]]
+    steps: list[Step]
     seen: list[dict[str, Any]] = field(default_factory=list)
     keys: list[str] = field(default_factory=list)
     stop: threading.Event = field(default_factory=threading.Event)
@@ -45,6 +49,8 @@ class _Handler(BaseHTTPRequestHandler):
         step = self.script.steps[min(number, len(self.script.steps) - 1)]
         if isinstance(step, tuple):
             self.say(step[1])
+        elif callable(step):
+            self.say(step(body))
         else:
             getattr(self, step)()
 
@@ -67,6 +73,9 @@ class _Handler(BaseHTTPRequestHandler):
 
     def busy(self) -> None:
         self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "7"})
+
+    def busy_for_a_second(self) -> None:
+        self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "1"})
 
     def busy_for_an_hour(self) -> None:
         self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "3600"})
@@ -167,7 +176,7 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 @contextmanager
-def serve(*steps: str | tuple[str, str]) -> Iterator[tuple[str, Script]]:
+def serve(*steps: Step) -> Iterator[tuple[str, Script]]:
     """Serve `steps` in turn; gives the base URL and what was seen."""
     script = Script(list(steps))
     handler = type("Handler", (_Handler,), {"script": script})

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 
 from robomore.llm import Completion, Exchange, MemoryLog, Request
+from robomore.llm.model import unasked
 
 
 class ScriptedModel:
@@ -23,7 +24,8 @@ class ScriptedModel:
         self._price = price
         self._lock = threading.Lock()
 
-    def complete(self, request: Request) -> Completion:
+    def complete(self, request: Request, sending: Callable[[], None] = unasked) -> Completion:
+        sending()
         with self._lock:
             number = len(self.asked)
             self.asked.append(request)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import threading
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import msgspec
@@ -26,6 +27,7 @@ from robomore.llm import (
     Spending,
     exchange_key,
 )
+from robomore.llm.model import unasked
 from robomore.llm.retry import Passing, Patience, persist
 from robomore.llm.tokens import estimate_prompt, estimate_tokens
 from robomore.types import Slot
@@ -145,13 +147,18 @@ def test_a_cost_limit_without_a_price_is_refused() -> None:
 
 def test_a_failed_request_leaves_nothing_under_way() -> None:
     class Down(ScriptedModel):
-        def complete(self, asked: Request) -> Completion:
+        def complete(self, asked: Request, sending: Callable[[], None] = unasked) -> Completion:
+            sending()
             raise ModelUnavailable("down")
 
-    correspondence = Correspondence(Down([]), MemoryLog(), ModelBudget(requests=1))
+    budget = ModelBudget(requests=3, tokens=estimate_prompt(request().messages))
+    correspondence = Correspondence(Down([]), MemoryLog(), budget)
     for _ in range(3):
         with pytest.raises(ModelUnavailable):
             correspondence.ask(request())
+    # They were sent all the same.
+    with pytest.raises(BudgetExhausted, match="so far: 3 requests, 0 tokens"):
+        correspondence.ask(request())
 
 
 def recorded(*texts: str) -> MemoryLog:
@@ -179,9 +186,9 @@ def test_a_replay_answers_the_same_and_costs_nothing() -> None:
 
 def test_a_replay_says_where_it_parts_from_the_recording() -> None:
     replay = ReplayModel(recorded("a"))
-    with pytest.raises(InputError, match="another prompt for coarse morphology 0"):
+    with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
         replay.complete(request("other"))
-    with pytest.raises(InputError, match="ends before coarse morphology 5"):
+    with pytest.raises(InputError, match="ends before coarse morphology 6"):
         replay.complete(request("a", dataclasses.replace(SLOT, index=5)))
     with pytest.raises(InputError, match="no exchanges"):
         ReplayModel(MemoryLog())

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from fake_run import PROVENANCE, FakeRun, finished_run
+from fake_run import NASTY, PROVENANCE, FakeRun, finished_run
+from robomore.designers.recorded import ATTEMPTS
 from robomore.errors import RunFolderError
-from robomore.report import Summary, as_data, summarise
-from robomore.types import Design, Place, Status
+from robomore.report import Summary, as_data, summarise, write_report
+from robomore.store import Ledger
+from robomore.store.ledger import Proposal
+from robomore.types import Design, Place, Slot, Status
 
 
 @pytest.fixture(scope="module")
@@ -138,3 +143,38 @@ def test_a_resumed_run_is_read_in_the_order_of_the_search(tmp_path: Path) -> Non
 def test_a_folder_that_is_no_run(tmp_path: Path) -> None:
     with pytest.raises(RunFolderError, match="robomore run"):
         summarise(tmp_path)
+
+
+def test_a_branch_of_which_nothing_was_measured_has_its_start_on_the_way(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    run.coarse()
+    place = Place(stage="fine", cycle=1, branch=1, changed="reward")
+    run.add(Design(run.morphology(0.5), run.reward(9.0)), place, 1.0)
+    steps = summarise(tmp_path).way
+    assert [(s.place.morphology, s.place.reward, s.leads) for s in steps] == [
+        (3, 2, True),
+        (3, 1, False),
+    ]
+
+
+def test_slots_that_stayed_empty_are_named_wherever_one_looks(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        for attempt in range(ATTEMPTS):
+            for slot in (Slot("fine", "reward", 1, 2), Slot("coarse", "morphology", 0, 1)):
+                ledger.add_proposal(Proposal(replace(slot, attempt=attempt), failure=NASTY), "")
+        # Refilled by a fresh proposal, or still being asked for.
+        for slot in (Slot("coarse", "reward", 0, 0), Slot("coarse", "reward", 0, 1)):
+            ledger.add_proposal(Proposal(slot, failure="no"), "")
+    summary = summarise(tmp_path)
+    assert [str(one.slot) for one in summary.empty] == [
+        "coarse morphology 2",
+        "fine reward 2 of branch 2",
+    ]
+    assert [(p.morphology, p.reward) for p in summary.untried] == [(1, 0), (1, 1), (1, 2)]
+    assert "2 slots stayed empty" in " ".join(summary.cautions)
+    assert as_data(summary)["empty_slots"][0] == {"slot": "coarse morphology 2", "reason": NASTY}
+    run.coarse()
+    page = write_report(tmp_path).read_text()
+    assert "Slots that stayed empty" in page and "coarse morphology 2" in page
+    assert NASTY not in page

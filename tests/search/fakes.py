@@ -24,6 +24,7 @@ class CountingDesigner:
     """Proposes 1, 2, 3, … and improves by steps that a test chooses."""
 
     name = "counting"
+    reflects = True
     provenance = "No LLM was used: numbers in order."
 
     def __init__(self, step: float = 1.0) -> None:

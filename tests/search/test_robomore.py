@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any, TypeVar
 
 import pytest
 
-from robomore.errors import NothingTrained
+from robomore.errors import NothingTrained, ProposalFailed
 from robomore.search import coarse, final, fine, robomore
 from robomore.search.measure import improves, ranked, top
 from robomore.settings import SearchSettings
-from robomore.types import Design, Morphology, Reward
+from robomore.types import Design, Morphology, Reward, Slot
 from search.fakes import REFERENCE, CountingDesigner, Measuring, evaluation, numbers
+
+T = TypeVar("T")
 
 
 def design(body: float, reward: float) -> Design:
@@ -123,3 +127,87 @@ def test_final_retrains_finalists_and_human_over_seeds_and_names_the_steadier_ch
         ("human", 0, 1),
         ("human", 0, 2),
     ]
+
+
+class Stubborn(CountingDesigner):
+    """Has no proposal for some slots, named as `str(slot)` does."""
+
+    def __init__(self, *without: str) -> None:
+        super().__init__()
+        self.without = without
+
+    def __getattribute__(self, name: str) -> Any:
+        found = super().__getattribute__(name)
+        if not name.startswith(("propose_", "improve_")):
+            return found
+
+        def ask(slot: Slot, *given: Any) -> Any:
+            if str(slot) in self.without:
+                raise ProposalFailed(f"no {slot}")
+            return found(slot, *given)
+
+        return ask
+
+
+def test_a_slot_without_proposal_leaves_its_row_or_column_empty() -> None:
+    measuring = Measuring(lambda body, reward: body * reward)
+    designer = Stubborn("coarse morphology 2", "coarse reward 1")
+    grid = coarse(designer, measuring, morphologies=3, rewards=3)
+    (batch,) = measuring.batches
+    places = [(t.place.morphology, t.place.reward) for t in batch]
+    assert places == [(0, 1), (0, 2), (2, 1), (2, 2)]
+    # Those after it see only what there is.
+    assert [numbers(e.design) for e in grid] == [(1, 10), (1, 20), (2, 10), (2, 20)]
+
+
+@pytest.mark.parametrize("kind", ["morphology", "reward"])
+def test_a_grid_without_any_proposal_ends_the_search_and_says_why(kind: str) -> None:
+    designer = Stubborn(*(f"coarse {kind} {number}" for number in (1, 2)))
+    measuring = Measuring(lambda body, reward: 1.0)
+    with pytest.raises(NothingTrained, match=f"none of 2 slots for a {kind}.*no coarse {kind} 1"):
+        robomore(designer, measuring, SearchSettings(2, 2), REFERENCE)
+    assert not measuring.batches
+
+
+def test_a_half_cycle_without_proposal_improves_nothing_and_the_others_go_on() -> None:
+    measuring = Measuring(lambda body, reward: min(body, 4) + min(reward, 12))
+    starts = [measuring.evaluation_of(design(body, 10)) for body in (1, 2)]
+    designer = Stubborn("fine morphology 1 of branch 1", "fine reward 2 of branch 2")
+    best = fine(designer, measuring, starts, starts, "efficiency", max_cycles=10)
+    assert [numbers(e.design) for e in best] == [(4.0, 12.0), (4.0, 12.0)]
+    assert [[t.place.branch for t in batch] for batch in measuring.batches[:4]] == [
+        [1],
+        [0, 1],
+        [0, 1],
+        [0],
+    ]
+
+
+def test_a_branch_without_any_proposal_keeps_its_best_and_ends() -> None:
+    measuring = Measuring(lambda body, reward: body + reward)
+    start = measuring.evaluation_of(design(1, 10))
+    designer = Stubborn("fine morphology 1 of branch 1", "fine reward 1 of branch 1")
+    assert fine(designer, measuring, [start], [start], "efficiency", max_cycles=5) == [start]
+    assert not measuring.batches
+
+
+def test_what_does_not_depend_on_each_other_is_asked_for_together() -> None:
+    asked: list[int] = []
+
+    def together(calls: Sequence[Callable[[], T]], /) -> list[T]:
+        asked.append(len(calls))
+        return list(reversed([call() for call in reversed(calls)]))
+
+    measuring = Measuring(lambda body, reward: body + reward)
+    settings = SearchSettings(morphologies=4, rewards=2, survivors=0.25, max_cycles=1)
+    reflecting = CountingDesigner()
+    turns = robomore(reflecting, measuring, settings, REFERENCE)
+    assert robomore(reflecting, measuring, settings, REFERENCE, together=together) == turns
+    # Diversity Reflection goes in order; the two branches do not.
+    assert asked == [2, 2]
+    asked.clear()
+    blind = CountingDesigner()
+    blind.reflects = False
+    robomore(blind, measuring, settings, REFERENCE, together=together)
+    assert asked == [4, 2, 2, 2]
+    assert [slot.index for slot in blind.asked[:4]] == [3, 2, 1, 0]

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from robomore.errors import InputError, NothingTrained
+from robomore.errors import InputError, NothingTrained, ProposalFailed
 from robomore.events import Cut, Event
 from robomore.search import robomore
-from robomore.search.screening import check, finished
+from robomore.search.screening import check
 from robomore.settings import Rung, Screening, SearchSettings
-from robomore.types import Design, Evaluation, Morphology, Trial
+from robomore.types import Design, Evaluation, Morphology, Reward, Slot, Trial, finished
 from search.fakes import REFERENCE, CountingDesigner, Measuring, evaluation, numbers
 
 STEPS = 1000
@@ -96,6 +96,31 @@ def test_hopeless_bodies_get_fewer_rewards_tried() -> None:
     untried = [event for event in told if isinstance(event, Cut) and event.steps == 0]
     assert [(c.place.morphology, c.place.reward) for c in untried] == [(0, 1), (1, 1)]
     assert untried[0].reason == "its body is number 4 of 4 under the reference reward"
+
+
+def test_hopeless_bodies_get_the_first_reward_that_there_is() -> None:
+    class WithoutTheFirst(CountingDesigner):
+        def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
+            if slot.index == 0:
+                raise ProposalFailed("no idea")
+            return super().propose_reward(slot, earlier)
+
+    measuring = Partial()
+    screening = replace(HALVING, hopeless=0.5, rewards_for_hopeless=1)
+    settings = replace(SETTINGS, rewards=3, screening=screening)
+    robomore(WithoutTheFirst(), measuring, settings, REFERENCE)
+    _, tried, *_ = grid(measuring)
+    assert tried == [(1, 10), (2, 10), (3, 10), (3, 20), (4, 10), (4, 20)]
+
+
+def test_a_designer_sees_what_was_cut_short_and_branches_start_from_the_rest() -> None:
+    designer = CountingDesigner()
+    settings = replace(SETTINGS, max_cycles=1)
+    robomore(designer, Partial(), settings, REFERENCE)
+    (first, *_) = designer.histories
+    assert [key.rsplit("-")[-1] for key in first] == [
+        *("0.1", "0.1", "0.1", "0.5", "0.1", "1.0", "0.5", "1.0"),
+    ]
 
 
 def test_the_share_of_survivors_is_of_the_whole_grid() -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from robomore.errors import LedgerError
-from robomore.llm import Exchange, Message, Sampling, Spending
+from robomore.llm import Exchange, Message, Request, Sampling, Spending
 from robomore.store import Ledger, LedgerExchanges
 from robomore.types import Slot
 
@@ -128,3 +128,19 @@ def test_a_ledger_without_tables_is_refused(tmp_path: Path) -> None:
     log = LedgerExchanges(tmp_path / "empty.sqlite")
     with pytest.raises(LedgerError, match="no such table"):
         log.all()
+
+
+def test_requests_that_were_never_answered_are_counted_for_good(path: Path) -> None:
+    asked = Request(Slot("coarse", "morphology", 0, 0), 1, ASKED)
+    log = LedgerExchanges(path)
+    for _ in range(5):
+        log.sent(asked)
+    log.add(exchange(0))  # took two of them
+    log.close()
+    again = LedgerExchanges(path)
+    assert again.spent() == Spending(requests=5, tokens=110, cost=0.25)
+    again.sent(asked)
+    again.sent(asked)
+    again.add(exchange(2))
+    assert again.spent().requests == 7
+    assert [event.body["repair"] for event in Ledger(path).events()] == [1] * 7

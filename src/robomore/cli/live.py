@@ -17,12 +17,14 @@ from rich.text import Text
 
 from robomore.cli.output import console
 from robomore.cli.progress import Progress
-from robomore.events import BatchBegan, Event, Finished, Observer, RunBegan
+from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.report.words import EFFICIENCY_UNIT, duration, number, place_name
 from robomore.types import Evaluation, Place
 
 _BAR = 32
 _SECONDS_BETWEEN_LINES = 15.0
+_LONGEST = 300
+"""Characters of a line that somebody else may have written."""
 
 
 @contextmanager
@@ -98,6 +100,8 @@ def render(progress: Progress) -> RenderableType:
     for idea in progress.ideas:
         said = idea.failure or idea.idea
         parts.append(_cut(f"{idea.slot.kind:10} {said}", "dim"))
+    if progress.spent and progress.spent.requests:
+        parts.append(Text(_spending(progress.spent), style="dim"))
     if progress.trouble:
         first = progress.trouble.splitlines()[0]
         parts.append(_cut(f"last failure: {first}", "yellow"))
@@ -129,6 +133,12 @@ class PlainLines:
         elif isinstance(event, BatchBegan) and progress.stage != self._stage:
             self._stage = progress.stage
             self._say(f"{progress.stage} stage: {_several(progress.asked, 'evaluation')}")
+        elif isinstance(event, Proposed) and event.failure:
+            # A model's own words may be quoted in it.
+            why = "".join(c if c.isprintable() else " " for c in event.failure)[:_LONGEST]
+            self._say(f"{event.slot}, attempt {event.slot.attempt + 1}: {why}")
+        elif isinstance(event, Spent) and self._clock() - self._last >= _SECONDS_BETWEEN_LINES:
+            self._say(f"{_spending(event)}; {_times(progress)}")
         elif isinstance(event, Finished) and not event.known:
             better = progress.best is not best
             late = self._clock() - self._last >= _SECONDS_BETWEEN_LINES
@@ -151,6 +161,11 @@ def _line(progress: Progress, event: Finished, better: bool) -> str:
         said = f"{evaluation.status} ({place_name(event.place)}): {first}"
     done = progress.asked - progress.open
     return f"[{progress.stage} {done}/{progress.asked}] {said}; {_times(progress)}"
+
+
+def _spending(spent: Spent) -> str:
+    dollars = "of unknown price" if spent.dollars is None else f"${spent.dollars:.2f}"
+    return f"language model: {spent.requests} requests, {spent.tokens:,} tokens, {dollars}"
 
 
 def _several(count: int, name: str) -> str:

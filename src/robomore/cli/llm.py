@@ -46,6 +46,8 @@ class ModelOptions:
         Stop before more tokens than this, in and out.
     max_cost
         Stop before a higher cost than this, in US dollars.
+    parallel
+        Requests under way at once, where they do not depend on each other.
     diversity
         Show each new proposal all earlier ones (Diversity Reflection).
     repairs
@@ -70,6 +72,7 @@ class ModelOptions:
     max_requests: int | None = None
     max_tokens: int | None = None
     max_cost: float | None = None
+    parallel: int = 4
     diversity: bool = True
     repairs: int = 3
     history_tokens: int = 8000
@@ -138,7 +141,7 @@ def language_model(options: ModelOptions) -> LanguageModel:
         raise InputError(
             "which language model? add --model PROVIDER:NAME, or --base-url URL --model NAME"
         )
-    for name in ("max_requests", "max_tokens", "max_cost", "max_output_tokens"):
+    for name in ("max_requests", "max_tokens", "max_cost", "max_output_tokens", "parallel"):
         value = getattr(options, name)
         if value is not None and not value > 0:
             raise InputError(f"--{name.replace('_', '-')} is {value}; give more than 0")
@@ -154,7 +157,8 @@ def language_model(options: ModelOptions) -> LanguageModel:
     )
     budget = ModelBudget(options.max_requests, options.max_tokens, options.max_cost)
     model = connect(options.model, options.base_url, _price(options.price))
-    return LanguageModel(model, settings, budget, options.vision, options.base_url or "")
+    server = options.base_url or ""
+    return LanguageModel(model, settings, budget, options.vision, server, options.parallel)
 
 
 def forecast(task: Task, model: LanguageModel, search: SearchSettings) -> str:

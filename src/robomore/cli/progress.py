@@ -16,6 +16,7 @@ from robomore.events import (
     Progressed,
     Proposed,
     RunBegan,
+    Spent,
     Started,
 )
 from robomore.settings import RunSettings
@@ -63,6 +64,7 @@ class Progress:
         half_cycles: batches of the fine stage so far.
         best: of the search, by its objective, and where it was found.
         ideas: the latest proposals, newest last.
+        spent: on a language model so far; `None` where none was asked.
         trouble: diagnosis of the latest failure.
     """
 
@@ -77,6 +79,7 @@ class Progress:
     half_cycles: int = 0
     best: tuple[Evaluation, Place] | None = None
     ideas: deque[Proposed] = field(default_factory=lambda: deque(maxlen=_IDEAS))
+    spent: Spent | None = None
     trouble: str = ""
     began: float = 0.0
     _measured_steps: int = 0
@@ -91,6 +94,8 @@ class Progress:
                 self.run = event
             case Proposed():
                 self.ideas.append(event)
+            case Spent():
+                self.spent = event
             case BatchBegan(places):
                 self.stage = places[0].stage if places else self.stage
                 self.asked = self.open = len(places)
@@ -158,8 +163,10 @@ class Progress:
         if not evaluation.ok:
             self.trouble = f"{evaluation.status}: {evaluation.diagnosis}"
         score = evaluation.score(self.objective)
-        if place.stage == "final" or score is None:
+        if place.stage in ("screening", "final") or score is None:
             return
+        if self.run and evaluation.job.steps < self.run.settings.candidate.steps:
+            return  # Not trained to the end, so not to be compared with what is.
         former = self.best[0].score(self.objective) if self.best else None
         if former is None or score > former:
             self.best = evaluation, place

@@ -50,7 +50,7 @@ def prompt(
         Print JSON: the messages, and the schema that a provider may enforce.
     """
     from robomore.designers.history import HistorySettings
-    from robomore.designers.prompting import morphology_schema, render_prompt
+    from robomore.designers.prompting import morphology_schema, render, render_prompt
     from robomore.tasks import get_task
 
     chosen = get_task(task)
@@ -74,6 +74,9 @@ def prompt(
         measured=seen.measured,
         settings=history,
     )
+    if seen.vision and kind.startswith("improve"):
+        role, question = messages
+        messages = [role, replace(question, text=f"{question.text}\n\n{render('pictures')}")]
     schema = morphology_schema(chosen) if kind.endswith("morphology") else None
     if as_json:
         told = [{"role": message.role, "text": message.text} for message in messages]
@@ -95,6 +98,7 @@ class _Seen:
     best: Evaluation | None = None
     measured: list[Evaluation] = field(default_factory=list)
     history: dict[str, Any] = field(default_factory=dict)
+    vision: bool = False
 
 
 def _seen(task: Task, path: Path) -> _Seen:
@@ -105,26 +109,31 @@ def _seen(task: Task, path: Path) -> _Seen:
     """
     from robomore.report.way import best_of, in_order
     from robomore.store import Ledger, Manifest, RunFolder
+    from robomore.types import finished
 
     folder = RunFolder.existing(path)
     manifest = Manifest.load(folder.manifest)
     if manifest.task != task.id:
         raise InputError(f"{path} is a run of {manifest.task!r}, not of {task.id!r}")
     with closing(Ledger(folder.ledger, read_only=True)) as ledger:
-        placed = [(p, e) for p, e in in_order(ledger.placed()) if p.stage != "final"]
+        placed = in_order(ledger.placed())
         proposals = [p for p in ledger.proposals() if p.slot.stage == "coarse"]
     proposals.sort(key=lambda proposal: proposal.slot.index)
     objective = manifest.settings.search.objective
     fine = [(place, e) for place, e in placed if place.stage == "fine"]
     grid = [e for place, e in placed if place.stage == "coarse"]
-    best = best_of((e for _, e in placed), objective)
+    best = best_of(finished([*grid, *(e for _, e in fine)]), objective)
     # A branch sees the grid and its own trials.
     branch = next((place.branch for place, e in fine if best and e.key == best.key), None)
+    told = manifest.designer_settings
+    if not told.get("diversity", True):
+        proposals = []
     return _Seen(
         objective,
         [p.morphology for p in proposals if p.morphology],
         [p.reward for p in proposals if p.reward],
         best,
         [*grid, *(e for place, e in fine if place.branch == (branch or 0))],
-        manifest.designer_settings.get("history", {}),
+        told.get("history", {}),
+        bool(told.get("vision")),
     )

@@ -18,13 +18,19 @@ class Designer(Protocol):
     Attributes:
         name: as on the command line.
         provenance: one plain sentence on what makes the proposals ("No LLM was used: …").
+        reflects: whether proposals look at earlier ones (Diversity Reflection) and so have to come
+            one after the other; taken as true where a designer does not say.
     """
 
     name: str
     provenance: str
+    reflects: bool
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
-        """Return a body that is good and far from all `earlier` ones (Diversity Reflection)."""
+        """Return a body that is good and far from all `earlier` ones (Diversity Reflection).
+
+        Nothing is earlier for a designer that does not reflect.
+        """
         ...
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
@@ -34,7 +40,10 @@ class Designer(Protocol):
     def improve_morphology(
         self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
     ) -> Morphology:
-        """Return a body to be tried with `best`'s reward; `history` holds all that was measured."""
+        """Return a body to be tried with `best`'s reward; `history` holds all that was measured.
+
+        Screening leaves evaluations of fewer training steps in it (`robomore.types.finished`).
+        """
         ...
 
     def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:

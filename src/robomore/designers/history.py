@@ -58,13 +58,15 @@ class Entry:
 
     Attributes:
         text: as it stands in the prompt.
-        score: the best of its evaluations, `None` if all failed.
+        score: the best of its evaluations that were trained longest, `None` if all failed.
         features: what its distance to others is computed from.
+        steps: of that training; screening cuts some short, and these stand below the others.
     """
 
     text: str
     score: float | None
     features: frozenset[str] | tuple[float, ...]
+    steps: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,33 +82,39 @@ def bodies(
 ) -> list[Entry]:
     """Return one entry for each body in `history`, in the order of their first measurement."""
     grouped: dict[tuple[float, ...], list[Evaluation]] = {}
-    for evaluation in history:
+    for evaluation in _distinct(history):
         grouped.setdefault(evaluation.design.morphology.parameters, []).append(evaluation)
-    entries = []
+    full, entries = full_steps(history), []
     for number, (parameters, measured) in enumerate(grouped.items(), start=1):
         here = [e for e in measured if e.design.reward.source == current.source]
         there = [e for e in measured if e.design.reward.source != current.source]
         lines = [f"## Body {number}", *telling.body(task, measured[0].design.morphology)]
-        lines += _results(here, "With the current reward", there, "With another reward", objective)
-        text = "\n".join(lines)
-        entries.append(Entry(text, _best_score(measured, objective), _position(task, parameters)))
+        names = ("With the current reward", "With another reward")
+        lines += _results(here, there, names, objective, full)
+        entries.append(_entry(lines, measured, objective, _position(task, parameters)))
     return entries
 
 
 def rewards(objective: str, current: Morphology, history: Sequence[Evaluation]) -> list[Entry]:
     """Return one entry for each reward in `history`, in the order of their first measurement."""
     grouped: dict[str, list[Evaluation]] = {}
-    for evaluation in history:
+    for evaluation in _distinct(history):
         grouped.setdefault(evaluation.design.reward.source, []).append(evaluation)
-    entries = []
+    full, entries = full_steps(history), []
     for number, (source, measured) in enumerate(grouped.items(), start=1):
         here = [e for e in measured if e.design.morphology.parameters == current.parameters]
         there = [e for e in measured if e.design.morphology.parameters != current.parameters]
         lines = [f"## Reward {number}", *telling.program(measured[0].design.reward)]
-        lines += _results(here, "On the current body", there, "On another body", objective)
+        names = ("On the current body", "On another body")
+        lines += _results(here, there, names, objective, full)
         words = frozenset(re.findall(r"\w+|[^\w\s]", source))
-        entries.append(Entry("\n".join(lines), _best_score(measured, objective), words))
+        entries.append(_entry(lines, measured, objective, words))
     return entries
+
+
+def full_steps(history: Sequence[Evaluation]) -> int:
+    """Return the steps of a training to the end; screening cuts some short of it."""
+    return max((e.job.steps for e in history), default=0)
 
 
 def tell(entries: Sequence[Entry], settings: HistorySettings, what: str) -> Told:
@@ -120,8 +128,9 @@ def tell(entries: Sequence[Entry], settings: HistorySettings, what: str) -> Told
     chosen = choose(entries, settings)
     text = "\n\n".join(entries[index].text for index in sorted(chosen))
     if len(chosen) == len(entries):
-        count = f"all {len(entries)}" if entries else "no"
-        return Told(text or "(nothing yet)", f"So far {count} {what} were measured; see above.")
+        if not entries:
+            return Told("(nothing yet)", f"So far no {what} were measured.")
+        return Told(text, f"These are all {len(entries)} {what} that were measured, oldest first.")
     in_turn = "; ".join(RULES[name] for name in settings.turns)
     return Told(
         text or "(left out)",
@@ -156,29 +165,49 @@ def choose(entries: Sequence[Entry], settings: HistorySettings) -> list[int]:
     return chosen
 
 
+def _distinct(history: Sequence[Evaluation]) -> list[Evaluation]:
+    """Return each evaluation once: a design that was proposed twice was measured once."""
+    return list({evaluation.key: evaluation for evaluation in history}.values())
+
+
 def _results(
     here: Sequence[Evaluation],
-    at_hand: str,
     there: Sequence[Evaluation],
-    other: str,
+    names: tuple[str, str],
     objective: str,
+    full: int,
 ) -> list[str]:
     """Tell in full what was measured with the other half at hand, and sum up the rest.
 
     Where nothing succeeded at hand, the best of the rest is told in full instead.
     """
-    lines = [line for e in here for line in telling.result(e, at_hand)]
-    if not any(e.ok for e in here):
-        best = _best_score(there, objective)
-        full = [e for e in there if best is not None and e.score(objective) == best][:1]
-        lines += [line for e in full for line in telling.result(e, f"{other}, its best")]
-        there = [e for e in there if e not in full]
-    return lines + telling.results(there, other)
+    at_hand, other = names
+    lines = [line for e in here for line in telling.result(e, at_hand, full)]
+    if not any(e.ok for e in here) and (best := _best_of(there, objective)):
+        lines += telling.result(best, f"{other}, its best", full)
+        there = [e for e in there if e is not best]
+    return lines + telling.results(there, other, full)
 
 
-def _best_score(evaluations: Sequence[Evaluation], objective: str) -> float | None:
-    scores = [score for e in evaluations if (score := e.score(objective)) is not None]
-    return max(scores, default=None)
+def _entry(
+    lines: Sequence[str],
+    measured: Sequence[Evaluation],
+    objective: str,
+    features: frozenset[str] | tuple[float, ...],
+) -> Entry:
+    best = _best_of(measured, objective)
+    text = "\n".join(lines)
+    if best is None:
+        return Entry(text, None, features)
+    return Entry(text, best.score(objective), features, best.job.steps)
+
+
+def _best_of(evaluations: Sequence[Evaluation], objective: str) -> Evaluation | None:
+    """Return the best of those that were trained longest, the first among equals."""
+    scored = [
+        (e.job.steps, score, e) for e in evaluations if (score := e.score(objective)) is not None
+    ]
+    return max(scored, key=lambda found: found[:2])[2] if scored else None
 
 
 def _position(task: Task, parameters: Sequence[float]) -> tuple[float, ...]:
@@ -203,8 +232,13 @@ def _distance(one: Entry, other: Entry) -> float:
     return math.dist(tuple(map(float, a)), tuple(map(float, b)))
 
 
-def _scored(entries: Sequence[Entry], waiting: Sequence[int]) -> list[tuple[float, int]]:
-    return [(score, i) for i in waiting if (score := entries[i].score) is not None]
+def _scored(
+    entries: Sequence[Entry], waiting: Sequence[int]
+) -> list[tuple[tuple[int, float], int]]:
+    """Return standing and index of those with a score: the longer trained stand higher."""
+    return [
+        ((entries[i].steps, score), i) for i in waiting if (score := entries[i].score) is not None
+    ]
 
 
 def _best(entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int]) -> int | None:
@@ -213,7 +247,8 @@ def _best(entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int
 
 
 def _worst(entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int]) -> int | None:
-    return min(_scored(entries, waiting), default=(0, None))[1]
+    scored = _scored(entries, waiting)
+    return min(scored)[1] if scored else None
 
 
 def _different(

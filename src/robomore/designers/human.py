@@ -17,6 +17,7 @@ class HumanDesigner:
     """
 
     name = "human"
+    reflects = False
     provenance = "No LLM was used: the official robot and the official reward, made by people."
 
     def __init__(self, task: Task) -> None:

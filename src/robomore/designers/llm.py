@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from robomore.designers.history import HistorySettings
@@ -88,6 +89,7 @@ class LLMDesigner:
             rehearse: tries a reward out on moving bodies; `None` to skip that.
             pictures: draws what is to be improved, for a model that can see.
         """
+        self.reflects = (settings or LLMSettings()).diversity
         self.provenance = f"Proposed by a language model: {correspondence.model.name}."
         self._task = task
         self._correspondence = correspondence
@@ -96,18 +98,21 @@ class LLMDesigner:
         self._check = check
         self._rehearse = rehearse
         self._pictures = pictures
+        # Only asking goes on side by side. Up to Python 3.12 `ast.parse` fails now and then when
+        # two threads parse (cpython#106905), and rehearsals should not slow each other down.
+        self._alone = threading.Lock()
         self._schema = morphology_schema(task)
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """Return a body unlike all `earlier` ones (paper, Alg. 1: ProposeMorphology)."""
         shown = earlier if self._settings.diversity else ()
-        prompt = render_prompt(self._task, "morphology", objective=self._objective, earlier=shown)
+        prompt = self._prompt("morphology", earlier=shown)
         return self._morphology(slot, prompt, shown)
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
         """Return a reward unlike all `earlier` ones (paper, Alg. 1: ProposeReward)."""
         shown = earlier if self._settings.diversity else ()
-        prompt = render_prompt(self._task, "reward", objective=self._objective, earlier=shown)
+        prompt = self._prompt("reward", earlier=shown)
         return self._reward(slot, prompt, shown)
 
     def improve_morphology(
@@ -129,18 +134,18 @@ class LLMDesigner:
     def _improvement(
         self, half: str, best: Evaluation, history: Sequence[Evaluation]
     ) -> list[Message]:
-        role, question = render_prompt(
-            self._task,
-            f"improve-{half}",
-            objective=self._objective,
-            best=best,
-            measured=history,
-            settings=self._settings.history,
+        role, question = self._prompt(
+            f"improve-{half}", best=best, measured=history, settings=self._settings.history
         )
-        images = tuple(self._pictures(best)) if self._pictures else ()
+        with self._alone:
+            images = tuple(self._pictures(best)) if self._pictures else ()
         if not images:
             return [role, question]
         return [role, Message("user", f"{question.text}\n\n{render('pictures')}", images)]
+
+    def _prompt(self, kind: str, **given: Any) -> list[Message]:
+        with self._alone:
+            return render_prompt(self._task, kind, objective=self._objective, **given)
 
     def _morphology(
         self, slot: Slot, prompt: Sequence[Message], taken: Sequence[Morphology]
@@ -171,14 +176,15 @@ class LLMDesigner:
         schema: dict[str, Any] | None,
     ) -> T:
         """Ask until a reply can be read, telling its faults each time (bounded)."""
-        messages = tuple(prompt)
+        messages = (*prompt[:-1], _afresh(prompt[-1], slot.attempt))
         for repair in range(self._settings.repairs + 1):
             request = Request(slot, repair, messages, schema, self._settings.sampling)
             exchange = self._correspondence.ask(request)
             try:
                 if exchange.findings:
                     raise BadReply(exchange.findings)
-                proposal = read(exchange)
+                with self._alone:
+                    proposal = read(exchange)
             except BadReply as bad:
                 self._correspondence.judge(exchange, bad.faults)
                 faults = bad.faults
@@ -189,6 +195,13 @@ class LLMDesigner:
             echo = exchange.reply[:_LONGEST_ECHO] or "(no answer)"
             messages = (*messages, Message("assistant", echo), repair_message(faults))
         raise ProposalFailed(
-            f"no usable {slot.kind} in {self._settings.repairs + 1} answers; the last one: "
+            f"no usable {slot.kind} in {self._settings.repairs + 1} answers; wrong with the last: "
             + "; ".join(faults)
         )
+
+
+def _afresh(question: Message, attempt: int) -> Message:
+    """Return the question of a fresh attempt: to the very same one, some say the very same."""
+    if not attempt:
+        return question
+    return replace(question, text=f"{question.text}\n\n{render('fresh', attempt=str(attempt + 1))}")

@@ -9,7 +9,7 @@ from robomore.designers.refine import Refiner
 from robomore.designers.rewards import Composer
 from robomore.designers.reweigh import Reweigher
 from robomore.tasks.task import Task
-from robomore.types import Evaluation, Morphology, Reward, Slot
+from robomore.types import Evaluation, Morphology, Reward, Slot, finished
 
 
 class OfflineDesigner:
@@ -29,6 +29,7 @@ class OfflineDesigner:
     """
 
     name = "offline"
+    reflects = True
     provenance = (
         "No LLM was used: bodies come from a space-filling prior and a Gaussian process, rewards "
         "from a library of terms."
@@ -52,8 +53,8 @@ class OfflineDesigner:
         self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
     ) -> Morphology:
         """Return the body near `best`'s that the model expects most of."""
-        return self._refiner.improve(slot, best, history)
+        return self._refiner.improve(slot, best, finished(history))
 
     def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:
         """Return `best`'s reward with one change that the measurements speak for."""
-        return self._reweigher.improve(slot, best, history)
+        return self._reweigher.improve(slot, best, finished(history))

@@ -185,6 +185,10 @@ def _improve(
 ) -> str:
     design = best.design
     result = telling.result(best, "Measured")
+    full = history.full_steps(measured)
+    fewer = ""
+    if any(e.ok and e.job.steps < full for e in measured):
+        fewer = "\n\n" + render("fewer-steps", steps=f"{full:,}")
     if half == "morphology":
         told = history.tell(
             history.bodies(task, objective, design.reward, measured), settings, "bodies"
@@ -194,7 +198,7 @@ def _improve(
             best="\n".join([*telling.body(task, design.morphology), *result]),
             reward=design.reward.source.strip(),
             history=told.entries,
-            selection=told.selection,
+            selection=told.selection + fewer,
         )
     told = history.tell(
         history.rewards(objective, design.morphology, measured), settings, "rewards"
@@ -204,5 +208,5 @@ def _improve(
         best="\n".join([*telling.program(design.reward), *result]),
         body="\n".join(telling.body(task, design.morphology)),
         history=told.entries,
-        selection=told.selection,
+        selection=told.selection + fewer,
     )

@@ -33,6 +33,7 @@ class RandomDesigner:
     """
 
     name = "random"
+    reflects = False
     provenance = "No LLM was used: bodies are drawn at random around the official robot."
 
     def __init__(self, task: Task, seed: int, deviation: float = 0.5) -> None:

@@ -12,23 +12,25 @@ from robomore.identity import content_key
 from robomore.store.ledger import Ledger, Proposal
 from robomore.types import Evaluation, Morphology, Reward, Slot
 
+ATTEMPTS = 3
+"""Proposals that are asked for in one slot; then it stays empty."""
+
 
 class RecordedDesigner:
     """Answers from the ledger where it can, else asks `designer` and writes the answer down.
 
     A slot that the designer fails to fill is recorded as failed and filled by a fresh proposal (the
-    slot's next attempt), `attempts` times at most.
+    slot's next attempt). When these run out too, it stays empty, and `ProposalFailed` says so to
+    the search. May be called from several threads.
     """
 
-    def __init__(
-        self, designer: Designer, ledger: Ledger, observe: Observer = ignore, attempts: int = 3
-    ) -> None:
+    def __init__(self, designer: Designer, ledger: Ledger, observe: Observer = ignore) -> None:
         self.name = designer.name
         self.provenance = designer.provenance
+        self.reflects = getattr(designer, "reflects", True)
         self._designer = designer
         self._ledger = ledger
         self._observe = observe
-        self._attempts = attempts
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """See `Designer.propose_morphology`."""
@@ -76,7 +78,7 @@ class RecordedDesigner:
 
     def _filled(self, slot: Slot, given: str, ask: Callable[[Slot], Proposal]) -> Proposal:
         failure = ""
-        for attempt in range(self._attempts):
+        for attempt in range(ATTEMPTS):
             fresh = replace(slot, attempt=attempt)
             proposal = self._ledger.proposal(fresh, given)
             if proposal is None:
@@ -91,6 +93,5 @@ class RecordedDesigner:
             if said is not None:
                 return proposal
         raise ProposalFailed(
-            f"{self.name} could not fill the {slot.stage} stage's {slot.kind} {slot.index} "
-            f"in {self._attempts} attempts; the last one: {failure}"
+            f"{self.name} could not fill the {slot} in {ATTEMPTS} attempts; the last one: {failure}"
         )

@@ -57,6 +57,8 @@ class LanguageModel:
         budget: what it may cost; no part of a run's identity.
         vision: whether it is shown pictures of what it is to improve.
         server: URL of a server of one's own.
+        parallel: requests under way at once, where they do not depend on each other; no part of a
+            run's identity.
     """
 
     name: ClassVar[str] = "llm"
@@ -65,6 +67,7 @@ class LanguageModel:
     budget: ModelBudget = field(default_factory=ModelBudget)
     vision: bool = False
     server: str = ""
+    parallel: int = 4
 
     @property
     def identity(self) -> dict[str, Any]:

@@ -25,11 +25,17 @@ def program(reward: Reward) -> list[str]:
     return ["```python", reward.source.strip(), "```"]
 
 
-def result(evaluation: Evaluation, where: str) -> list[str]:
-    """Return the lines that tell of one evaluation: what it gave, or why it gave nothing."""
+def result(evaluation: Evaluation, where: str, full: int = 0) -> list[str]:
+    """Return the lines that tell of one evaluation: what it gave, or why it gave nothing.
+
+    Args:
+        evaluation: to tell of.
+        where: what the first line begins with.
+        full: steps of a training to the end; fewer than that are named.
+    """
     if not evaluation.ok:
         return [f"{where}: {failure(evaluation)}"]
-    lines = [f"{where}: {score(evaluation)}"]
+    lines = [f"{where}: {score(evaluation, full)}"]
     if evaluation.behaviour:
         moved = ", ".join(f"{name} {value:.4g}" for name, value in evaluation.behaviour.items())
         lines.append(f"  How it moved: {moved}")
@@ -42,16 +48,21 @@ def result(evaluation: Evaluation, where: str) -> list[str]:
     return lines
 
 
-def results(evaluations: Sequence[Evaluation], where: str) -> list[str]:
-    """Return the lines that sum up several evaluations."""
-    done = [e for e in evaluations if e.ok]
+def results(evaluations: Sequence[Evaluation], where: str, full: int = 0) -> list[str]:
+    """Return the lines that sum up several evaluations; those of fewer steps apart from others."""
     failed = [e for e in evaluations if not e.ok]
-    if len(done) <= _LISTED:
-        lines = [f"{where}: {score(e)}" for e in done]
-    else:
+    lines: list[str] = []
+    for steps in sorted({e.job.steps for e in evaluations if e.ok}, reverse=True):
+        done = [e for e in evaluations if e.ok and e.job.steps == steps]
+        if len(done) <= _LISTED:
+            lines += [f"{where}: {score(e, full)}" for e in done]
+            continue
         efficiency = _spread([e.efficiency or 0.0 for e in done])
         fitness = _spread([e.fitness or 0.0 for e in done])
-        lines = [f"{where}, {len(done)} times: efficiency {efficiency} 1/m^2, fitness {fitness} m"]
+        lines.append(
+            f"{where}, {len(done)} times{_after(steps, full)}: efficiency {efficiency} 1/m^2, "
+            f"fitness {fitness} m"
+        )
     if failed:
         reasons = list(dict.fromkeys(failure(e) for e in failed))
         lines.append(f"{where}, {len(failed)} of {len(evaluations)} failed, for example:")
@@ -59,13 +70,16 @@ def results(evaluations: Sequence[Evaluation], where: str) -> list[str]:
     return lines
 
 
-def score(evaluation: Evaluation) -> str:
-    """Return efficiency with fitness and volume beside it."""
+def score(evaluation: Evaluation, full: int = 0) -> str:
+    """Return efficiency with fitness and volume beside it, and the steps if fewer than `full`."""
     efficiency, fitness, volume = (
         "unknown" if value is None else f"{value:.4g}"
         for value in (evaluation.efficiency, evaluation.fitness, evaluation.volume)
     )
-    return f"efficiency {efficiency} 1/m^2 (fitness {fitness} m, volume {volume} m^3)"
+    return (
+        f"efficiency {efficiency} 1/m^2 (fitness {fitness} m, volume {volume} m^3)"
+        f"{_after(evaluation.job.steps, full)}"
+    )
 
 
 def failure(evaluation: Evaluation) -> str:
@@ -77,6 +91,10 @@ def failure(evaluation: Evaluation) -> str:
     if len(said) > _LONGEST_DIAGNOSIS:
         said = said[:_LONGEST_DIAGNOSIS] + "…"
     return f"failed ({evaluation.status.value}): {said}"
+
+
+def _after(steps: int, full: int) -> str:
+    return f" after only {steps:,} of {full:,} training steps" if steps < full else ""
 
 
 def _spread(values: list[float]) -> str:

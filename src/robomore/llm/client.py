@@ -30,7 +30,7 @@ from pydantic_ai.settings import ModelSettings
 
 from robomore.errors import InputError
 from robomore.llm.faults import FAULTS, SchemaRefused, translate
-from robomore.llm.model import Completion, Message, Request, Sampling
+from robomore.llm.model import Completion, Message, Request, Sampling, unasked
 from robomore.llm.retry import Patience, persist
 from robomore.llm.tokens import estimate_prompt, estimate_tokens
 
@@ -63,7 +63,7 @@ class LibraryModel:
         self._schemas = True
         self._loop = _Loop()
 
-    def complete(self, request: Request) -> Completion:
+    def complete(self, request: Request, sending: Callable[[], None] = unasked) -> Completion:
         """Answer (see `ChatModel.complete`)."""
         started = time.monotonic()
         structured = request.schema is not None and self._schemas
@@ -71,6 +71,7 @@ class LibraryModel:
 
         def once(structured: bool) -> ModelResponse:
             nonlocal tries
+            sending()
             tries += 1
             return self._once(request, structured)
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 
 from robomore.errors import BudgetExhausted, InputError
 from robomore.llm.exchange import Exchange, ExchangeLog, Spending, exchange_key
@@ -21,7 +22,7 @@ class ModelBudget:
     """What a run may spend on a model in all, interruptions included. `None` is no limit.
 
     Attributes:
-        requests: sent, those in vain included.
+        requests: sent, those in vain included; kept to the last one.
         tokens: in and out. The prompt's estimate is counted before it is sent, so the limit can be
             passed by the length of an answer at most (of each answer under way).
         cost: in US dollars; kept like `tokens`.
@@ -36,13 +37,28 @@ class Correspondence:
     """A model, the log of what was said to it, and a budget."""
 
     def __init__(
-        self, model: ChatModel, log: ExchangeLog, budget: ModelBudget | None = None
+        self,
+        model: ChatModel,
+        log: ExchangeLog,
+        budget: ModelBudget | None = None,
+        watch: Callable[[Spending], None] = lambda spent: None,
     ) -> None:
-        """Raises `InputError` for a cost limit on a model whose price nobody knows."""
+        """Make the one way to a model.
+
+        Args:
+            model: that is asked.
+            log: where exchanges are kept.
+            budget: that may be spent; without limits by default.
+            watch: told after each answer what has been spent so far, from any thread.
+
+        Raises:
+            InputError: a cost limit for a model whose price nobody knows.
+        """
         self._model = model
         self._log = log
+        self._watch = watch
         self._budget = budget or ModelBudget()
-        self._under_way: list[Spending] = []
+        self._under_way: list[_Asking] = []
         self._lock = threading.Lock()
         if self._budget.cost is not None and model.cost(1000, 1000) is None:
             raise InputError(
@@ -73,8 +89,8 @@ class Correspondence:
             kept = self._log.find(key)
         if kept is not None:
             return kept
-        with self._reserved(request):
-            completion = self._model.complete(request)
+        with self._reserved(request) as asking:
+            completion = self._model.complete(request, partial(self._send, asking))
             exchange = Exchange(
                 key=key,
                 slot=request.slot,
@@ -96,6 +112,8 @@ class Correspondence:
             # Kept before anybody reads it: whatever happens next, it is not paid for again.
             with self._lock:
                 self._log.add(exchange)
+                spent = self._log.spent()
+        self._watch(spent)
         _log.info(
             "%s answered %s in %.1f s (%d + %d tokens)",
             exchange.model,
@@ -113,30 +131,59 @@ class Correspondence:
                 self._log.judge(exchange.key, findings)
 
     @contextmanager
-    def _reserved(self, request: Request) -> Iterator[None]:
-        """Count a request as spent while it is under way, so that parallel ones see it."""
+    def _reserved(self, request: Request) -> Iterator[_Asking]:
+        """Count a prompt as spent while it is under way, so that parallel ones see it."""
         prompt = estimate_prompt(request.messages)
-        expected = Spending(1, prompt, self._model.cost(prompt, 0) or 0.0)
+        asking = _Asking(request, prompt, self._model.cost(prompt, 0) or 0.0)
         with self._lock:
-            self._check(expected)
-            self._under_way.append(expected)
+            self._check(asking)
+            self._under_way.append(asking)
         try:
-            yield
+            yield asking
         finally:
             with self._lock:
-                self._under_way.remove(expected)
+                self._under_way.remove(asking)
 
-    def _check(self, expected: Spending) -> None:
+    def _send(self, asking: _Asking) -> None:
+        """Write down that a request is being sent, or refuse it.
+
+        Written before it is sent, so that one in vain is counted whatever ends it.
+        """
+        with self._lock:
+            self._check(asking)
+            self._log.sent(asking.request)
+
+    def _check(self, asking: _Asking) -> None:
         spent = self._log.spent()
-        planned = [spent, *self._under_way, expected]
-        for option, limit, total, so_far in (
-            ("--max-requests", self._budget.requests, sum(p.requests for p in planned), "requests"),
-            ("--max-tokens", self._budget.tokens, sum(p.tokens for p in planned), "tokens"),
-            ("--max-cost", self._budget.cost, sum(p.cost for p in planned), "dollars"),
+        others = [other for other in self._under_way if other is not asking]
+        planned = [asking, *others]
+        for option, limit, total, what in (
+            ("--max-requests", self._budget.requests, spent.requests + 1, "requests"),
+            (
+                "--max-tokens",
+                self._budget.tokens,
+                spent.tokens + sum(one.tokens for one in planned),
+                "tokens",
+            ),
+            (
+                "--max-cost",
+                self._budget.cost,
+                spent.cost + sum(one.cost for one in planned),
+                "dollars",
+            ),
         ):
             if limit is not None and total > limit:
                 raise BudgetExhausted(
-                    f"the budget of {limit:g} {so_far} does not allow another request (so far: "
+                    f"the budget of {limit:g} {what} does not allow another request (so far: "
                     f"{spent.requests} requests, {spent.tokens} tokens, ${spent.cost:.2f}); "
                     f"nothing is lost: run the same command with a larger {option} to go on"
                 )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Asking:
+    """A request under way: what its prompt takes at least."""
+
+    request: Request
+    tokens: int
+    cost: float

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import threading
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from robomore.identity import content_key
@@ -81,6 +81,10 @@ class Spending:
             unpriced += exchange.cost is None
         return cls(requests, tokens, cost, unpriced)
 
+    def sent(self, requests: int) -> Spending:
+        """Return the same with all requests that were sent, if some were never answered."""
+        return replace(self, requests=max(self.requests, requests))
+
     def __add__(self, other: Spending) -> Spending:
         """Return both together."""
         return Spending(
@@ -98,6 +102,10 @@ class ExchangeLog(Protocol):
         """Return the exchange of that key."""
         ...
 
+    def sent(self, request: Request) -> None:
+        """Count a request that is about to be sent, whatever becomes of it."""
+        ...
+
     def add(self, exchange: Exchange) -> None:
         """Keep a new exchange; it survives the process being killed once this returns."""
         ...
@@ -111,7 +119,7 @@ class ExchangeLog(Protocol):
         ...
 
     def spent(self) -> Spending:
-        """Return what all exchanges took together."""
+        """Return what all exchanges took together, and requests that were never answered."""
         ...
 
 
@@ -120,10 +128,15 @@ class MemoryLog:
 
     def __init__(self, exchanges: Iterable[Exchange] = ()) -> None:
         self._exchanges = {exchange.key: exchange for exchange in exchanges}
+        self._sent = sum(exchange.tries for exchange in self._exchanges.values())
         self._lock = threading.Lock()
 
     def find(self, key: str) -> Exchange | None:
         return self._exchanges.get(key)
+
+    def sent(self, request: Request) -> None:
+        with self._lock:
+            self._sent += 1
 
     def add(self, exchange: Exchange) -> None:
         with self._lock:
@@ -138,7 +151,7 @@ class MemoryLog:
         return list(self._exchanges.values())
 
     def spent(self) -> Spending:
-        return Spending.of(self._exchanges.values())
+        return Spending.of(self._exchanges.values()).sent(self._sent)
 
 
 def exchange_key(model: str, request: Request) -> str:

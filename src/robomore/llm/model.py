@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
@@ -88,6 +89,10 @@ class Completion:
     verdict: tuple[str, ...] | None = None
 
 
+def unasked() -> None:
+    """What a model asks before it sends a request where nobody keeps count."""
+
+
 class ChatModel(Protocol):
     """A language model. May be asked from several threads at once.
 
@@ -97,8 +102,12 @@ class ChatModel(Protocol):
 
     name: str
 
-    def complete(self, request: Request) -> Completion:
+    def complete(self, request: Request, sending: Callable[[], None] = unasked) -> Completion:
         """Answer, retrying what is worth retrying.
+
+        Args:
+            request: what is asked.
+            sending: called before each try is sent; it raises to forbid it.
 
         Raises:
             InputError: it can never work like this (wrong key, unknown model, refused request).

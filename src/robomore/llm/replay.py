@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
-from robomore.errors import InputError
+from robomore.errors import InputError, ProposalFailed
 from robomore.llm.exchange import Exchange, ExchangeLog, exchange_key
-from robomore.llm.model import ChatModel, Completion, Request
+from robomore.llm.model import ChatModel, Completion, Request, unasked
 from robomore.types import Slot
 
 
@@ -16,7 +17,9 @@ class ReplayModel:
     Found by `content`, an exchange answers exactly the request that it answered before: a replayed
     run is the recorded one to the last digit, or it says where it parts from it. Found by `slot`,
     an exchange answers whatever is asked in its slot, so that a run with another trainer (other
-    numbers in the history) can use the same proposals again.
+    numbers in the history) can use the same proposals again. Its branches may then go further than
+    the recorded ones did: for a slot of the fine stage that the recording lacks there is no
+    proposal, and the search goes on without.
     """
 
     def __init__(
@@ -53,11 +56,12 @@ class ReplayModel:
             (exchange.slot, exchange.repair): exchange for exchange in exchanges
         }
 
-    def complete(self, request: Request) -> Completion:
-        """Answer from the recording.
+    def complete(self, request: Request, sending: Callable[[], None] = unasked) -> Completion:
+        """Answer from the recording; only what it does not hold is sent anywhere.
 
         Raises:
             InputError: the recording holds no such exchange, and there is no model besides.
+            ProposalFailed: likewise, but the search can do without (see the class).
         """
         if self._by == "content":
             found = self._by_key.get(exchange_key(self._recorded_name, request))
@@ -76,7 +80,9 @@ class ReplayModel:
                 verdict=verdict,
             )
         if self._otherwise is not None:
-            return self._otherwise.complete(request)
+            return self._otherwise.complete(request, sending)
+        if self._by == "slot" and request.slot.stage == "fine":
+            raise ProposalFailed(f"the recording holds no further answer for {request.slot}")
         raise InputError(self._missing(request))
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
@@ -85,13 +91,12 @@ class ReplayModel:
 
     def _missing(self, request: Request) -> str:
         slot = request.slot
-        where = f"{slot.stage} {slot.kind} {slot.index} of branch {slot.branch}"
         if (slot, request.repair) in self._by_slot:
             return (
-                f"the recording answers another prompt for {where}: task, settings, seed and "
+                f"the recording answers another prompt for {slot}: task, settings, seed and "
                 "trainer must be those of the recorded run, or replay it by slot"
             )
         return (
-            f"the recording ends before {where} (attempt {slot.attempt}, repair {request.repair}); "
+            f"the recording ends before {slot} (attempt {slot.attempt}, repair {request.repair}); "
             "finish the recorded run, or ask for no more than it did"
         )

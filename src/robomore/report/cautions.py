@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from robomore.report.contestants import Contestant
+from robomore.report.empty import EmptySlot
 from robomore.report.words import EFFICIENCY_UNIT, number
 from robomore.settings import SearchSettings
 from robomore.store import Manifest
@@ -17,6 +20,8 @@ STEEL = 7850.0
 
 _AT_BOUND = 0.01
 """A parameter counts as at its bound within this share of its range."""
+_NAMED = 3
+"""Empty slots that are named."""
 _WINNERS_CURSE = 0.7
 """Retrained below this share of what the search saw, the search was lucky."""
 
@@ -28,6 +33,7 @@ def cautions(
     human: Contestant | None,
     final: bool,
     found: Evaluation | None,
+    empty: Sequence[EmptySlot] = (),
 ) -> tuple[str, ...]:
     """Return one sentence for each reason to doubt, the most important first.
 
@@ -38,10 +44,11 @@ def cautions(
         human: as measured in the final.
         final: whether the champion was retrained.
         found: the best evaluation of the search, before any retraining.
+        empty: slots that the designer could not fill.
     """
     said: list[str] = []
     if champion is None:
-        return ("Nothing has been trained successfully yet.",)
+        return ("Nothing has been trained successfully yet.", *_about_slots(empty))
     if not final:
         said.append(
             "The run is not finished: this is the best so far, measured once, and not yet "
@@ -49,6 +56,7 @@ def cautions(
         )
     if manifest.preset == "smoke":
         said.append("The smoke preset checks that everything runs; its budget trains nothing.")
+    said += _about_slots(empty)
     if final:
         said += _about_seeds(champion, human)
         said += _about_retraining(manifest.settings.search, champion, found)
@@ -61,6 +69,17 @@ def cautions(
             f"{task.version}: drawings and bounds may differ from what was trained."
         )
     return tuple(said)
+
+
+def _about_slots(empty: Sequence[EmptySlot]) -> list[str]:
+    if not empty:
+        return []
+    named = "; ".join(str(one.slot) for one in empty[:_NAMED])
+    more = f" and {len(empty) - _NAMED} more" if len(empty) > _NAMED else ""
+    return [
+        f"{len(empty)} slot{'s' if len(empty) != 1 else ''} stayed empty, because the designer had "
+        f"no proposal that could be used ({named}{more}): less was tried than was asked for."
+    ]
 
 
 def _about_seeds(champion: Contestant, human: Contestant | None) -> list[str]:

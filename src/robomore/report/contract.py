@@ -52,6 +52,7 @@ def as_data(summary: Summary) -> dict[str, Any]:
             }
             for failure in summary.failures
         ],
+        "empty_slots": [{"slot": str(one.slot), "reason": one.reason} for one in summary.empty],
         "cautions": list(summary.cautions),
         "versions": manifest.versions,
     }

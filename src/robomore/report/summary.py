@@ -12,6 +12,7 @@ from robomore.errors import RunFolderError
 from robomore.llm import Spending
 from robomore.report.cautions import cautions
 from robomore.report.contestants import Contestant, contestant, finalists, measured_in_final
+from robomore.report.empty import EmptySlot, empty_slots, pairs_without
 from robomore.report.metrics import Spread, ratio
 from robomore.report.way import Step, best_of, in_order, way
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
@@ -63,7 +64,8 @@ class Summary:
         placed: every evaluation in each place it was asked for, in the order of the search; but
             not those that screening cut short.
         cut: those, with the fewer steps that they had.
-        untried: pairs of the grid that screening left out altogether, and why.
+        untried: pairs of the grid that were left out altogether, and why.
+        empty: slots that the designer could not fill.
         failures: by reason, the most frequent first.
         cautions: what to keep in mind before believing the champion.
     """
@@ -83,6 +85,7 @@ class Summary:
     placed: tuple[tuple[Place, Evaluation], ...]
     cut: tuple[tuple[Place, Evaluation], ...]
     untried: dict[Place, str]
+    empty: tuple[EmptySlot, ...]
     failures: tuple[Failure, ...]
     cautions: tuple[str, ...]
 
@@ -114,9 +117,11 @@ def summarise(path: Path) -> Summary:
         everything = ledger.evaluations()
         asked = in_order(ledger.placed())
         untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
+        empty = empty_slots(ledger.proposals())
         crowned = [event for event in ledger.events() if event.kind == "finished"]
     with closing(LedgerExchanges(folder.ledger, read_only=True)) as exchanges:
         spending = exchanges.spent()
+    untried |= pairs_without(empty, manifest.settings.search)
     full = manifest.settings.candidate.steps
     cut = [(p, e) for p, e in asked if p.stage == "coarse" and e.ok and e.job.steps < full]
     placed = [pair for pair in asked if pair not in cut and pair[0].stage != "screening"]
@@ -150,8 +155,11 @@ def summarise(path: Path) -> Summary:
         placed=tuple(placed),
         cut=tuple(cut),
         untried=untried,
+        empty=empty,
         failures=_failures(asked),
-        cautions=cautions(manifest, task, champion, human, final=winner is not None, found=best),
+        cautions=cautions(
+            manifest, task, champion, human, final=winner is not None, found=best, empty=empty
+        ),
     )
 
 

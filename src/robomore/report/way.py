@@ -66,7 +66,8 @@ def way(
     grid.sort(key=lambda pair: -(pair[1].score(objective) or 0.0))
     branches = sorted({place.branch for place, _ in placed if place.stage == "fine"})
     steps: list[list[tuple[Place, str, Evaluation]]] = []
-    for branch in branches or range(min(1, len(grid))):
+    # A branch of which nothing was measured (nobody had a proposal for it) has its start.
+    for branch in range(max(branches, default=0) + 1):
         if branch >= len(grid):
             continue
         place, best = grid[branch]

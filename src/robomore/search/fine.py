@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from robomore.designers.designer import Designer
+from robomore.errors import ProposalFailed
 from robomore.search.measure import Evaluate, improves
+from robomore.search.propose import Together, in_turn, independent
 from robomore.types import Design, Evaluation, Place, Slot, Trial
 
 
@@ -27,19 +30,22 @@ def fine(
     grid: Sequence[Evaluation],
     objective: str,
     max_cycles: int,
+    together: Together = in_turn,
 ) -> list[Evaluation]:
     """Return each survivor's best after refinement, in the survivors' order (paper, Alg. 1).
 
     Branches advance side by side, one batch a half-cycle, and each sees the grid and its own
-    trials only, so the result does not depend on how many run at once.
+    trials only, so the result does not depend on how many run at once. A half-cycle for which the
+    designer has no proposal improves nothing.
 
     Args:
         designer: improves bodies and rewards from the history it is shown.
         evaluate: measures a batch.
         survivors: what the branches start from.
-        grid: all evaluations of the coarse stage.
+        grid: all evaluations of the coarse stage, those that screening cut short among them.
         objective: `efficiency` or `fitness`.
         max_cycles: bound on the cycles of a branch.
+        together: asks for the proposals of the branches.
     """
     branches = [_Branch(index, best, list(grid)) for index, best in enumerate(survivors)]
     for cycle in range(1, max_cycles + 1):
@@ -49,46 +55,61 @@ def fine(
         for branch in active:
             branch.improved = False
 
-        bodies = [
-            designer.improve_morphology(
-                Slot("fine", "morphology", branch.index, cycle), branch.best, branch.history
-            )
-            for branch in active
-        ]
+        bodies = independent(
+            [
+                partial(
+                    designer.improve_morphology,
+                    Slot("fine", "morphology", branch.index, cycle),
+                    branch.best,
+                    tuple(branch.history),
+                )
+                for branch in active
+            ],
+            together,
+        )
         designs = [
-            Design(body, branch.best.design.reward)
+            (branch, Design(body, branch.best.design.reward))
             for branch, body in zip(active, bodies, strict=True)
+            if not isinstance(body, ProposalFailed)
         ]
-        _advance(evaluate, active, designs, cycle, "morphology", objective)
+        _advance(evaluate, designs, cycle, "morphology", objective)
 
-        programs = [
-            designer.improve_reward(
-                Slot("fine", "reward", branch.index, cycle), branch.best, branch.history
-            )
-            for branch in active
-        ]
+        programs = independent(
+            [
+                partial(
+                    designer.improve_reward,
+                    Slot("fine", "reward", branch.index, cycle),
+                    branch.best,
+                    tuple(branch.history),
+                )
+                for branch in active
+            ],
+            together,
+        )
         designs = [
-            Design(branch.best.design.morphology, program)
+            (branch, Design(branch.best.design.morphology, program))
             for branch, program in zip(active, programs, strict=True)
+            if not isinstance(program, ProposalFailed)
         ]
-        _advance(evaluate, active, designs, cycle, "reward", objective)
+        _advance(evaluate, designs, cycle, "reward", objective)
     return [branch.best for branch in branches]
 
 
 def _advance(
     evaluate: Evaluate,
-    branches: Sequence[_Branch],
-    designs: Sequence[Design],
+    designs: Sequence[tuple[_Branch, Design]],
     cycle: int,
     changed: str,
     objective: str,
 ) -> None:
-    """Measure one proposal of each branch and keep what is better."""
+    """Measure the branches' proposals and keep what is better."""
+    if not designs:
+        return
     trials = [
         Trial(design, Place(stage="fine", branch=branch.index, cycle=cycle, changed=changed))
-        for branch, design in zip(branches, designs, strict=True)
+        for branch, design in designs
     ]
-    for branch, evaluation in zip(branches, evaluate(trials), strict=True):
+    for (branch, _), evaluation in zip(designs, evaluate(trials), strict=True):
         branch.history.append(evaluation)
         if improves(evaluation, branch.best, objective):
             branch.best = evaluation

@@ -9,9 +9,10 @@ from robomore.events import Observer, ignore
 from robomore.search.coarse import coarse
 from robomore.search.fine import fine
 from robomore.search.measure import Evaluate, MeasureGrid, ranked, top
-from robomore.search.screening import finished, screened
+from robomore.search.propose import Together, in_turn
+from robomore.search.screening import screened
 from robomore.settings import SearchSettings
-from robomore.types import Evaluation, Reward
+from robomore.types import Evaluation, Reward, finished
 
 
 def robomore(
@@ -20,6 +21,7 @@ def robomore(
     settings: SearchSettings,
     reference: Reward,
     observe: Observer = ignore,
+    together: Together = in_turn,
 ) -> list[Evaluation]:
     """Return the refined designs, best first; the paper's answer is the first of them.
 
@@ -29,9 +31,10 @@ def robomore(
         settings: N_M, N_R, k, the objective, bounds, and how the grid is screened.
         reference: reward that screening compares bodies under.
         observe: told whom screening cuts.
+        together: asks for proposals that do not depend on each other.
 
     Raises:
-        NothingTrained: no pair of the grid could be trained.
+        NothingTrained: no pair of the grid could be trained, or none was proposed.
     """
     # Coarse: grid search with Diversity Reflection.
     measure: MeasureGrid = evaluate
@@ -44,10 +47,13 @@ def robomore(
             objective=settings.objective,
             observe=observe,
         )
-    grid = finished(coarse(designer, measure, settings.morphologies, settings.rewards))
+    grid = coarse(designer, measure, settings.morphologies, settings.rewards, together)
     pairs = settings.morphologies * settings.rewards
-    survivors = top(grid, settings.survivors, settings.objective, pairs)
+    survivors = top(finished(grid), settings.survivors, settings.objective, pairs)
 
     # Fine: alternate between morphology and reward.
-    refined = fine(designer, evaluate, survivors, grid, settings.objective, settings.max_cycles)
+    refined = fine(
+        *(designer, evaluate, survivors, grid),
+        *(settings.objective, settings.max_cycles, together),
+    )
     return ranked(refined, settings.objective)

@@ -29,7 +29,7 @@ def screened(
 ) -> list[Evaluation]:
     """Return one evaluation for each pair that was tried, in the grid's order.
 
-    Those that were cut have fewer steps than those that were not (`finished`).
+    Those that were cut have fewer steps than those that were not (`robomore.types.finished`).
 
     Args:
         evaluate: measures a batch at a share of the full budget, continuing what it trained before.
@@ -54,12 +54,6 @@ def screened(
     measured = evaluate(racing, share=1.0)
     latest |= {trial.place: e for trial, e in zip(racing, measured, strict=True)}
     return [latest[trial.place] for trial in trials if trial.place in latest]
-
-
-def finished(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
-    """Return those that were trained to the end, and those that failed on the way."""
-    full = max((e.job.steps for e in evaluations), default=0)
-    return [e for e in evaluations if e.job.steps == full or not e.ok]
 
 
 def check(screening: Screening) -> None:
@@ -132,10 +126,12 @@ def _without_hopeless(
     order = [rows[e.key] for e in ranked(first_look, objective)]
     standing = {row: number for number, row in enumerate(order, start=1)}
     promising = set(order[: max(1, math.ceil((1 - screening.hopeless) * len(bodies)))])
+    # The first ones proposed; a column can be empty.
+    first = sorted({trial.place.reward for trial in trials})[: screening.rewards_for_hopeless]
     going_on = []
     for trial in trials:
         row = trial.place.morphology
-        if row in promising or trial.place.reward < screening.rewards_for_hopeless:
+        if row in promising or trial.place.reward in first:
             going_on.append(trial)
             continue
         number = f"number {standing[row]}" if row in standing else "one that failed"

@@ -9,6 +9,7 @@ from pathlib import Path
 import msgspec
 
 from robomore.llm.exchange import Exchange, Spending
+from robomore.llm.model import Request
 from robomore.store.ledger import SCHEMA
 from robomore.store.rows import Rows, digest
 
@@ -29,6 +30,7 @@ class LedgerExchanges(Rows):
         """
         super().__init__(path, SCHEMA, read_only, durable=True)
         self._spent: Spending | None = None
+        self._sent = 0
 
     def find(self, key: str) -> Exchange | None:
         """Return the exchange of that key."""
@@ -36,12 +38,21 @@ class LedgerExchanges(Rows):
             return self._decode(body, Exchange)
         return None
 
+    def sent(self, request: Request) -> None:
+        """Count a request that is about to be sent; the count is on the disk once this returns."""
+        body = msgspec.json.encode({"slot": request.slot, "repair": request.repair})
+        with self._lock:
+            self.spent()
+            self._append("events", "sent", body)
+            self._sent += 1
+
     def add(self, exchange: Exchange) -> None:
         """Keep a new exchange; it is on the disk once this returns."""
         with self._lock:
-            spent = self.spent()
+            self.spent()
             self._insert("exchanges", exchange.key, msgspec.json.encode(exchange))
-            self._spent = spent + Spending.of([exchange])
+            assert self._spent is not None
+            self._spent += Spending.of([exchange])
 
     def judge(self, key: str, findings: Sequence[str]) -> None:
         """Set the findings of a kept exchange.
@@ -68,8 +79,15 @@ class LedgerExchanges(Rows):
         return [self._decode(body, Exchange) for _, body, _ in rows]
 
     def spent(self) -> Spending:
-        """Return what all exchanges took together, in earlier processes too."""
+        """Return what all exchanges took together, in earlier processes too.
+
+        Requests are counted as they were sent: a process that was killed, or a model that never
+        answered, leaves more of them than exchanges tell of.
+        """
         with self._lock:
             if self._spent is None:
                 self._spent = Spending.of(self.all())
-            return self._spent
+                self._sent = sum(
+                    1 for _ in self._select("SELECT * FROM events WHERE kind = 'sent'")
+                )
+            return self._spent.sent(self._sent)

@@ -128,9 +128,7 @@ class Ledger(Rows):
     # Events --------------------------------------------------------------------------------------
 
     def add_event(self, kind: str, **body: Any) -> None:
-        with self._lock:
-            (last,) = self._execute("SELECT coalesce(max(seq), 0) FROM events")[0]
-            self._insert("events", last + 1, kind, msgspec.json.encode(body))
+        self._append("events", kind, msgspec.json.encode(body))
 
     def noting(self, observe: Observer) -> Observer:
         """Return an observer that passes everything on, and writes down once who was cut."""

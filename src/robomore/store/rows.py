@@ -59,7 +59,9 @@ class Rows:
             raise
 
     def close(self) -> None:
-        self._open.close()
+        # Not while another thread is writing.
+        with self._lock:
+            self._open.close()
 
     def damaged(self, reason: object) -> LedgerDamaged:
         """Return what is said where the file is not what was written."""
@@ -95,6 +97,18 @@ class Rows:
         """Write one row, in the place of one with the same key; time and digest are added."""
         row = (*columns, time.time())
         self.restore(table, (*row, digest(row)))
+
+    def _append(self, table: str, *columns: Any) -> None:
+        """Write one row under the table's next `seq`, whichever other connection writes as well."""
+        try:
+            with self._lock, self._db:
+                self._db.execute("BEGIN IMMEDIATE")
+                last = self._db.execute(f"SELECT coalesce(max(seq), 0) FROM {table}").fetchone()[0]
+                row = (last + 1, *columns, time.time())
+                places = ", ".join("?" * (len(row) + 1))
+                self._db.execute(f"INSERT INTO {table} VALUES ({places})", (*row, digest(row)))
+        except BROKEN as error:
+            raise self._failure(error) from None
 
     def _select(self, query: str, values: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
         """Yield the rows of a `SELECT *`, without their digests, once those have been checked."""

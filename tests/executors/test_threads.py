@@ -1,0 +1,81 @@
+"""Calls side by side: their order, their errors, and how few are begun after one failed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from collections.abc import Callable
+
+import pytest
+
+from robomore.executors import Threads
+
+
+def test_answers_keep_their_order_whoever_ends_first() -> None:
+    def call(number: int) -> Callable[[], int]:
+        return lambda: (time.sleep(0.02 * (5 - number)), number)[1]
+
+    assert Threads(3)([call(number) for number in range(5)]) == [0, 1, 2, 3, 4]
+    assert Threads(3)([]) == []
+
+
+@pytest.mark.parametrize("limit", [1, 3])
+def test_no_more_than_the_limit_are_under_way(limit: int) -> None:
+    lock, under_way, most = threading.Lock(), 0, 0
+
+    def call() -> None:
+        nonlocal under_way, most
+        with lock:
+            under_way += 1
+            most = max(most, under_way)
+        time.sleep(0.02)
+        with lock:
+            under_way -= 1
+
+    Threads(limit)([call] * 8)
+    assert most == limit
+
+
+def test_the_earliest_error_is_raised_once_those_under_way_have_ended() -> None:
+    second_failed, ended, begun = threading.Event(), [], []
+
+    def first() -> None:
+        begun.append(1)
+        assert second_failed.wait(10)
+        ended.append(1)
+        raise ValueError("first")
+
+    def second() -> None:
+        begun.append(2)
+        second_failed.set()
+        raise KeyError("second")
+
+    def third() -> None:
+        begun.append(3)
+
+    with pytest.raises(ValueError, match="first"):
+        Threads(2)([first, second, third, third])
+    assert ended == [1] and 3 not in begun
+
+
+def test_ctrl_c_does_not_wait_for_a_call_that_hangs() -> None:
+    program = textwrap.dedent(
+        """
+        import _thread, threading, time
+        from robomore.executors import Threads
+        threading.Timer(0.3, _thread.interrupt_main).start()
+        try:
+            Threads(2)([lambda: time.sleep(60)] * 2)
+        except KeyboardInterrupt:
+            print("stopped")
+        """
+    )
+    began = time.monotonic()
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=50
+    )
+    assert done.stdout == "stopped\n", done.stderr
+    assert time.monotonic() - began < 30

@@ -1,0 +1,70 @@
+"""`--preset quick` in full against a real llama.cpp server on loopback, over the command line.
+
+The protocol is real, the designs are nonsense: the model's weights are random. It takes some four
+minutes of one core, nearly all of it training.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from llm.llama import serve_llama
+from robomore.cli import main
+from robomore.settings import preset
+from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
+
+pytest.importorskip("pydantic_ai")
+pytest.importorskip("xllamacpp")
+pytest.importorskip("gguf")
+
+
+def test_a_model_behind_a_real_server_designs_a_whole_quick_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "run"
+    with serve_llama(tmp_path) as url:
+        status = main(
+            [
+                *("run", "swimmer", "--preset", "quick", "--designer", "llm", "--seed", "1"),
+                *("--base-url", url, "--model", "random", "--temperature", "1.5"),
+                *("--quiet", "--json", "--out", str(out)),
+            ]
+        )
+    said, errors = capsys.readouterr()
+    assert status == 0, errors
+    told = json.loads(said)
+
+    # It was the preset as it is.
+    folder = RunFolder(out)
+    settings = Manifest.load(folder.manifest).settings
+    assert settings == preset("quick")
+    search = settings.search
+
+    # Proposals arrived in every slot, and bad ones were sent back or replaced.
+    with closing(LedgerExchanges(folder.ledger, read_only=True)) as log:
+        exchanges = log.all()
+    accepted = Counter((one.slot.stage, one.slot.kind) for one in exchanges if one.findings == ())
+    assert accepted["coarse", "morphology"] == search.morphologies
+    assert accepted["coarse", "reward"] == search.rewards
+    assert accepted["fine", "morphology"] >= 2 and accepted["fine", "reward"] >= 2
+    assert sum(accepted.values()) < len(exchanges)
+    assert all(one.findings is not None for one in exchanges)
+    assert all(one.structured for one in exchanges if one.slot.kind == "morphology")
+    assert told["empty_slots"] == [] and told["cost"]["requests"] >= len(exchanges)
+
+    # Candidates trained, and one is the champion.
+    with closing(Ledger(folder.ledger, read_only=True)) as ledger:
+        placed = Counter(place.stage for place, _ in ledger.placed())
+    assert placed["coarse"] == search.morphologies * search.rewards
+    assert placed["fine"] == accepted["fine", "morphology"] + accepted["fine", "reward"]
+    assert placed["final"] == search.repeats * (search.finalists + 1)
+    assert told["final"] and told["champion"]["efficiency"] is not None
+    assert set(told["evaluations"]) == {"ok"}
+    for name in ("design.json", "reward.py", "robot.xml", "policy.npz"):
+        assert (folder.champion / name).is_file(), name
+    assert folder.report.is_file()
