@@ -1,7 +1,7 @@
 """Screening against a grid that was trained to the end: what it finds again, for which steps.
 
     python benchmarks/screening.py                    # from the recorded numbers, in a second
-    python benchmarks/screening.py --record [--workers 2]    # anew, about an hour of one core
+    python benchmarks/screening.py --record [--workers 2]    # what it lacks, an hour of one core
 
 Recorded is the grid that the offline designer proposes for one task: 25 bodies and 5 rewards, each
 pair trained to the end and measured at every fifth of the way, and each body under the reference
@@ -14,7 +14,7 @@ from __future__ import annotations
 import argparse
 import csv
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from curves import Course, follow_all
@@ -22,10 +22,20 @@ from robomore.designers.registry import make_designer
 from robomore.events import Event
 from robomore.search.coarse import coarse
 from robomore.search.measure import top
-from robomore.search.screening import finished, screened
+from robomore.search.screening import screened
 from robomore.settings import SCREENINGS, Screening, standard
 from robomore.tasks import get_task
-from robomore.types import Design, Evaluation, Job, Morphology, Place, Reward, Status, Trial
+from robomore.types import (
+    Design,
+    Evaluation,
+    Job,
+    Morphology,
+    Place,
+    Reward,
+    Status,
+    Trial,
+    finished,
+)
 
 TASK = "half-cheetah"
 RECORD = Path(__file__).parent / "data" / f"grid-{TASK}.csv"
@@ -36,14 +46,13 @@ REFERENCE = -1
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--record", action="store_true", help="train the grid anew")
+    parser.add_argument("--record", action="store_true", help="train what the record lacks")
     parser.add_argument("--steps", type=int, default=standard().candidate.steps)
     parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
     if given.record:
         record(given.steps, given.workers)
-    rows = [Row.read(row) for row in csv.DictReader(RECORD.open())]
-    report(rows)
+    report([row_of(line) for line in lines()])
 
 
 @dataclass(frozen=True)
@@ -53,21 +62,29 @@ class Row:
     Attributes:
         morphology, reward: place in the grid.
         fifth: of the way, 5 at its end.
-        fitness: in m; `None` where training failed.
+        fitness: in m. What failed has no row.
         volume: in m^3.
     """
 
     morphology: int
     reward: int
     fifth: int
-    fitness: float | None
+    fitness: float
     volume: float
 
-    @classmethod
-    def read(cls, row: dict[str, str]) -> Row:
-        fitness = float(row["fitness"]) if row["fitness"] else None
-        place = int(row["morphology"]), int(row["reward"]), int(row["fifth"])
-        return cls(*place, fitness, float(row["volume"]))
+
+def lines() -> list[dict[str, str]]:
+    """Return the record's lines by column, none if there is no record."""
+    if not RECORD.is_file():
+        return []
+    with RECORD.open() as file:
+        return list(csv.DictReader(file))
+
+
+def row_of(line: dict[str, str]) -> Row:
+    """Return a line of the record."""
+    place = int(line["morphology"]), int(line["reward"]), int(line["fifth"])
+    return Row(*place, float(line["fitness"]), float(line["volume"]))
 
 
 def designs() -> list[Trial]:
@@ -86,10 +103,12 @@ def designs() -> list[Trial]:
 
 
 def record(steps: int, workers: int) -> None:
-    """Train the grid and write the record."""
+    """Train what the record lacks of the grid, and write it down as it comes."""
     task, trainer = get_task(TASK), standard().trainer
     grid = designs()
     bodies = {trial.place.morphology: trial.design.morphology for trial in grid}
+    found = [row_of(line) for line in lines()]
+    known = {(row.morphology, row.reward) for row in found}
     wanted = [(t.place.morphology, t.place.reward, t.design.reward.source) for t in grid]
     wanted += [(number, REFERENCE, "") for number in bodies]
     courses = [
@@ -105,19 +124,21 @@ def record(steps: int, workers: int) -> None:
             reward=source,
         )
         for number, reward, source in wanted
+        if (number, reward) not in known
     ]
     RECORD.parent.mkdir(exist_ok=True)
-    found: list[tuple[int, int, int, float, float]] = []
     for count, marks in enumerate(follow_all(courses, workers, None), start=1):
         for fifth, mark in enumerate(marks, start=1):
             number, reward = map(int, mark.body.split())
             volume = task.volume(bodies[number].parameters)
-            found.append((number, reward, fifth, mark.fitness, volume))
+            found.append(Row(number, reward, fifth, mark.fitness, volume))
         print(f"\r{count} of {len(courses)} trainings", end="", flush=True)
         with RECORD.open("w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(["morphology", "reward", "fifth", "fitness", "volume"])
-            writer.writerows((*row[:3], f"{row[3]:.6g}", f"{row[4]:.6g}") for row in sorted(found))
+            writer.writerow([field.name for field in fields(Row)])
+            for row in sorted(found, key=lambda row: (row.morphology, row.reward, row.fifth)):
+                place = row.morphology, row.reward, row.fifth
+                writer.writerow((*place, f"{row.fitness:.6g}", f"{row.volume:.6g}"))
     print()
 
 
@@ -183,7 +204,7 @@ def evaluation(key: str, design: Design, row: Row | None, fifth: int) -> Evaluat
     """Return a record's row as the search would get it."""
     settings = standard()
     job = Job(TASK, design, settings.trainer, steps=fifth, episodes=10, seed=0)
-    if row is None or row.fitness is None:
+    if row is None:
         return Evaluation(key, job, Status.TRAINING_DIVERGED, "training failed")
     efficiency = row.fitness / row.volume
     return Evaluation(
