@@ -525,6 +525,6 @@ def _wait(ready: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
             if ready():
                 return
         except Exception as error:  # noqa: BLE001  # the ledger is just being made
-            assert "no such table" in str(error) or "cannot be used" in str(error)
+            assert "nothing has been written" in str(error) or "cannot be used" in str(error)
         time.sleep(0.02)
     raise AssertionError("nothing happened")

@@ -24,13 +24,17 @@ def test_answers_keep_their_order_whoever_ends_first() -> None:
 
 @pytest.mark.parametrize("limit", [1, 3])
 def test_no_more_than_the_limit_are_under_way(limit: int) -> None:
-    lock, under_way, most = threading.Lock(), 0, 0
+    lock, full, under_way, most = threading.Lock(), threading.Event(), 0, 0
 
     def call() -> None:
         nonlocal under_way, most
         with lock:
             under_way += 1
             most = max(most, under_way)
+            if under_way >= limit:
+                full.set()
+        # Whoever comes early waits for the others, so that a slow machine shows as many.
+        assert full.wait(10)
         time.sleep(0.02)
         with lock:
             under_way -= 1

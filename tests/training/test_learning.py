@@ -96,7 +96,7 @@ def test_the_value_of_one_step_is_its_reward(algorithm: Algorithm) -> None:
 
 
 def test_the_value_of_an_earlier_step_is_discounted(algorithm: Algorithm) -> None:
-    run = trained(algorithm, Probe(lambda elapsed, bit, action: elapsed == 1, length=2), 3_000)
+    run = trained(algorithm, Probe(lambda elapsed, bit, action: elapsed == 1, length=2), 6_000)
     assert values(algorithm, run, [0.5, 1], 0.0) == pytest.approx(1, abs=0.1)
     assert values(algorithm, run, [0, 1], 0.0) == pytest.approx(
         algorithm.settings.discount, abs=0.1
