@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from robomore.tasks import get_task
-from robomore.tasks.batched_reward import BatchedReward
+from robomore.tasks.batched.reward import BatchedReward
 from robomore.tasks.reward_runner import PerSimulationReward
 from robomore.tasks.reward_text import reward_function
 from robomore.tasks.simulation import Simulations

@@ -10,9 +10,9 @@ import pytest
 from both_ways import program
 
 from robomore.sandbox import pulse
-from robomore.tasks.batched_function import BatchedFunction, batched_function
-from robomore.tasks.batched_run import Refused, Run
-from robomore.tasks.batched_value import Batched
+from robomore.tasks.batched.function import BatchedFunction, batched_function
+from robomore.tasks.batched.run import Refused, Run
+from robomore.tasks.batched.value import Batched
 from robomore.tasks.reward_text import reward_function
 
 

@@ -10,7 +10,9 @@ import pytest
 from both_ways import BothWays, assert_same_statistics, program
 
 from robomore.errors import RewardFailed
-from robomore.tasks import batched_reward, batched_trust, get_task
+from robomore.tasks import get_task
+from robomore.tasks.batched import reward as batched_reward
+from robomore.tasks.batched import trust as batched_trust
 from robomore.tasks.reward_text import reward_function
 from robomore.tasks.simulation import Simulations
 

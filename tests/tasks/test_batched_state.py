@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robomore.tasks import batched_group, batched_state
-from robomore.tasks.batched_group import Group
-from robomore.tasks.batched_run import Refused, Run
-from robomore.tasks.batched_value import Batched
+from robomore.tasks.batched import group as batched_group
+from robomore.tasks.batched import state as batched_state
+from robomore.tasks.batched.group import Group
+from robomore.tasks.batched.run import Refused, Run
+from robomore.tasks.batched.value import Batched
 
 RUN = Run()
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.errors import UnstableSimulation
-from robomore.tasks.batched_reward import BatchedReward
+from robomore.tasks.batched.reward import BatchedReward
 from robomore.tasks.environments import environment_class
 from robomore.tasks.environments.base import (
     Array,

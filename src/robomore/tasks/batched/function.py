@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from robomore.tasks.batched_names import HARMLESS_MODULES, StandIns
-from robomore.tasks.batched_run import Run
+from robomore.tasks.batched.names import HARMLESS_MODULES, StandIns
+from robomore.tasks.batched.run import Run
 
 _CONSTANTS = (bool, int, float, complex, str, bytes, range, type(None), type(...), np.generic)
 _CODE = (type, FunctionType, BuiltinFunctionType, type(np.sum))

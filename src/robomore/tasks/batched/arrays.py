@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robomore.tasks.batched_value import Batched, Values, lift, stack
+from robomore.tasks.batched.value import Batched, Values, lift, stack
 
 if TYPE_CHECKING:
-    from robomore.tasks.batched_run import Run
+    from robomore.tasks.batched.run import Run
 
 
 _ADD: Any = np.add  # whose types do not know every way to call it

@@ -16,9 +16,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from robomore.tasks.batched_numpy import FUNCTIONS
-from robomore.tasks.batched_run import Run
-from robomore.tasks.batched_value import Batched, lift, stack
+from robomore.tasks.batched.arrays import FUNCTIONS
+from robomore.tasks.batched.run import Run
+from robomore.tasks.batched.value import Batched, lift, stack
 
 HARMLESS_MODULES = frozenset({"collections", "itertools", "functools", "operator", "typing"})
 """Modules of the standard library that keep nothing between calls."""

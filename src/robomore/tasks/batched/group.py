@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from robomore.tasks import batched_state, reward_state
-from robomore.tasks.batched_run import Run
-from robomore.tasks.batched_state import Form, Rows
+from robomore.tasks import reward_state
+from robomore.tasks.batched import state as batched_state
+from robomore.tasks.batched.run import Run
+from robomore.tasks.batched.state import Form, Rows
 
 
 @dataclass(frozen=True, slots=True)

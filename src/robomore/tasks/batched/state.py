@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.tasks.batched_run import Run
-from robomore.tasks.batched_value import Batched
+from robomore.tasks.batched.run import Run
+from robomore.tasks.batched.value import Batched
 
 Rows = NDArray[np.intp]
 

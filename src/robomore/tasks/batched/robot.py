@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.tasks.batched_names import StandIns
-from robomore.tasks.batched_run import Run
-from robomore.tasks.batched_value import Batched, Values
+from robomore.tasks.batched.names import StandIns
+from robomore.tasks.batched.run import Run
+from robomore.tasks.batched.value import Batched, Values
 from robomore.tasks.environments.base import Array
 from robomore.tasks.gather import Gather
 from robomore.tasks.read_only import ReadOnly

@@ -8,8 +8,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from robomore.tasks.batched_numpy import FUNCTIONS, WRITING
-from robomore.tasks.batched_value import Batched, Values, lift
+from robomore.tasks.batched.arrays import FUNCTIONS, WRITING
+from robomore.tasks.batched.value import Batched, Values, lift
 
 
 class Refused(BaseException):

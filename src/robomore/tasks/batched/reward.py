@@ -16,14 +16,15 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.tasks import batched_group, batched_state
-from robomore.tasks.batched_check import Result, difference
-from robomore.tasks.batched_function import batched_function
-from robomore.tasks.batched_group import Group
-from robomore.tasks.batched_run import Divided, Refused, Run
-from robomore.tasks.batched_self import BatchedData, Clock, Selected, batched_class
-from robomore.tasks.batched_trust import Trust
-from robomore.tasks.batched_value import Batched, Values
+from robomore.tasks.batched import group as batched_group
+from robomore.tasks.batched import state as batched_state
+from robomore.tasks.batched.check import Result, difference
+from robomore.tasks.batched.function import batched_function
+from robomore.tasks.batched.group import Group
+from robomore.tasks.batched.robot import BatchedData, Clock, Selected, batched_class
+from robomore.tasks.batched.run import Divided, Refused, Run
+from robomore.tasks.batched.trust import Trust
+from robomore.tasks.batched.value import Batched, Values
 from robomore.tasks.environments.base import Array, RewardFunction, RobotEnvironment
 from robomore.tasks.reward_runner import PerSimulationReward
 from robomore.tasks.term_record import as_number
@@ -36,7 +37,7 @@ class BatchedReward:
     """Gives the rewards of all simulations after one control step.
 
     What it returns and records are the numbers of the run for all, which differ from those per
-    simulation by rounding at most (see `batched_check`). A reward that fails is left to fail per
+    simulation by rounding at most (see `check`). A reward that fails is left to fail per
     simulation, where the diagnosis is made.
     """
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from robomore.tasks.batched_run import Run
+    from robomore.tasks.batched.run import Run
 
 Values = NDArray[Any]
 """Numbers of m simulations, of shape (*shape, m): simulations are the last axis."""

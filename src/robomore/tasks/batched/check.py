@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from robomore.tasks import batched_state
-from robomore.tasks.batched_group import Group
-from robomore.tasks.batched_trust import Way
-from robomore.tasks.batched_value import Values
+from robomore.tasks.batched import state as batched_state
+from robomore.tasks.batched.group import Group
+from robomore.tasks.batched.trust import Way
+from robomore.tasks.batched.value import Values
 from robomore.tasks.term_record import as_number
 
 RELATIVE = 1e-9
