@@ -218,7 +218,7 @@ class Run:
 
     def policies(self) -> list[MLPPolicy]:
         """Return deterministic policies, each an average over some rounds; the latest last."""
-        return [_deterministic(layers) for layers in (*self.snapshots, self.average)]
+        return [deterministic(layers) for layers in (*self.snapshots, self.average)]
 
     def save(self, folder: Path) -> None:
         """Leave everything in `folder`."""
@@ -279,7 +279,7 @@ def _growths(steps: int) -> int:
     return int(math.log(steps) / math.log(SNAPSHOT_GROWTH))
 
 
-def _deterministic(layers: Layers) -> MLPPolicy:
+def deterministic(layers: Layers) -> MLPPolicy:
     """Return the policy that acts by the Gaussian's mean."""
     *inner, (weight, bias) = layers
     size = len(bias) // 2

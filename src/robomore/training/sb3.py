@@ -83,7 +83,7 @@ class _Run:
         discount = environment.discount if asked is None else asked
         self.model = SAC(
             "MlpPolicy",
-            _Environment(environment, seed),
+            LibraryEnvironment(environment, seed),
             learning_rate=settings.rate,
             # A memory that is never filled is the same at any size.
             buffer_size=min(settings.replay_size, steps + environment.n),
@@ -231,7 +231,7 @@ class _Run:
         ]
 
 
-class _Environment(VecEnv):  # type: ignore[misc]  # its package is not there when types are checked
+class LibraryEnvironment(VecEnv):  # type: ignore[misc]  # its package is not there when types are checked
     """Our simulations as the library wants them, one control step at a time."""
 
     def __init__(self, environment: VectorEnvironment, seed: int) -> None:
