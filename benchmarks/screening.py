@@ -39,6 +39,8 @@ from robomore.types import (
 
 TASK = "half-cheetah"
 RECORD = Path(__file__).parent / "data" / f"grid-{TASK}.csv"
+STEPS = 100_000
+"""Of every pair in the record."""
 PARTS = 5
 REFERENCE = -1
 """Column of the reference reward in the record."""
@@ -47,11 +49,10 @@ REFERENCE = -1
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--record", action="store_true", help="train what the record lacks")
-    parser.add_argument("--steps", type=int, default=standard().candidate.steps)
     parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
     if given.record:
-        record(given.steps, given.workers)
+        record(given.workers)
     report(whole([row_of(line) for line in lines()]))
 
 
@@ -102,7 +103,7 @@ def designs() -> list[Trial]:
     return asked
 
 
-def record(steps: int, workers: int) -> None:
+def record(workers: int) -> None:
     """Train what the record lacks of the grid, and write it down as it comes."""
     task, trainer = get_task(TASK), standard().trainer
     grid = designs()
@@ -119,8 +120,8 @@ def record(steps: int, workers: int) -> None:
             seed=0,
             trainer=trainer,
             # Screening looks at the reference reward at the first rung alone.
-            steps=steps if source else steps // PARTS,
-            every=steps // PARTS,
+            steps=STEPS if source else STEPS // PARTS,
+            every=STEPS // PARTS,
             reward=source,
         )
         for number, reward, source in wanted

@@ -110,7 +110,7 @@ def standard() -> RunSettings:
     return RunSettings(
         search=SearchSettings(screening=Screening(), finalists=2, repeats=3),
         trainer=TrainerSettings("crossq"),
-        candidate=Budget(steps=100_000, episodes=10),
+        candidate=Budget(steps=150_000, episodes=10),
         final=Budget(steps=300_000, episodes=20),
     )
 

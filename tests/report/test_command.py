@@ -73,7 +73,7 @@ def test_another_trainer_starts_from_its_own_defaults() -> None:
 
 def test_final_trainings_keep_their_proportion() -> None:
     settings = overridden(preset("standard"), {"steps": 1_000})
-    assert (settings.candidate.steps, settings.final.steps) == (1_000, 3_000)
+    assert (settings.candidate.steps, settings.final.steps) == (1_000, 2_000)
 
 
 def test_settings_that_no_option_reaches_have_no_command() -> None:
