@@ -33,7 +33,7 @@ SAME: dict[str, Any] = {
     "n_step": 1,
     "initial_entropy_weight": 1.0,
     "entropy_rate": 1e-3,
-    "noise_octaves": 1,
+    "quiet_share": 0.0,
     "average_share": 0.0,
     "snapshots": 1,
     "discount": 0.99,

@@ -26,6 +26,8 @@ SETTINGS = CrossQSettings(
     # Small enough to be filled and overwritten.
     replay_size=1_000,
     average_share=0.1,
+    # Values are asked for at actions that the policy alone would not try.
+    quiet_share=0.0,
 )
 
 SAC_SETTINGS = SACSettings(

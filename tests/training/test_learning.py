@@ -90,7 +90,7 @@ def values(
 
 
 def test_the_value_of_one_step_is_its_reward(algorithm: Algorithm) -> None:
-    run = trained(algorithm, Probe(lambda elapsed, bit, action: 2.0 * bit - 1), 2_000)
+    run = trained(algorithm, Probe(lambda elapsed, bit, action: 2.0 * bit - 1), 8_000)
     assert values(algorithm, run, [0, 1], 0.3) == pytest.approx(1, abs=0.1)
     assert values(algorithm, run, [0, 0], 0.3) == pytest.approx(-1, abs=0.1)
 

@@ -18,12 +18,10 @@ from typing import Any, Protocol
 import jax
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erf
 
 from robomore.errors import TrainingDiverged
 from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from robomore.training.gaussian import explore
-from robomore.training.pink import PinkNoise
 from robomore.training.policy import MLPPolicy
 from robomore.training.replay import Replay
 from robomore.training.trainer import PROGRESS_SECONDS, Progress, VectorEnvironment, whole_rounds
@@ -57,7 +55,7 @@ class LoopSettings(Protocol):
     @property
     def n_step(self) -> int: ...
     @property
-    def noise_octaves(self) -> int: ...
+    def quiet_share(self) -> float: ...
     @property
     def average_share(self) -> float: ...
     @property
@@ -135,7 +133,7 @@ class Run:
         self.learner, self.layers = learning.begin(self.random, *sizes)
         self.average = self.layers
         self.snapshots: list[Layers] = []
-        self.noise = PinkNoise(settings.noise_octaves, (environment.n, sizes[1]), self.random)
+        self.quiet = int(settings.quiet_share * environment.n)
         self.observation = np.zeros((environment.n, sizes[0]))
         self.rounds = 0
         self.updates = 0
@@ -174,12 +172,13 @@ class Run:
                 self.snapshots = [*self.snapshots, self.average][-others:] if others else []
 
     def _act(self) -> None:
-        noise = self.noise.draw(self.random)
+        shape = self.environment.n, self.environment.action_size
         if self.updates:
+            noise = self.random.standard_normal(shape, np.float32)
+            noise[: self.quiet] = 0
             action = explore(self.layers, self.observation, noise)
         else:
-            # Uniform over the range, as the noise is normal.
-            action = erf(noise / np.sqrt(np.float32(2)))
+            action = self.random.uniform(-1, 1, shape).astype(np.float32)
         transition = self.environment.step(action)
         self.replay.add(self.observation, action, transition)
         self.observation = transition.observation
@@ -227,7 +226,6 @@ class Run:
             for i, (weight, bias) in enumerate(layers):
                 arrays |= {f"{name}_weight{i}": weight, f"{name}_bias{i}": bias}
         arrays["observation"] = self.observation
-        arrays["noise"] = self.noise.state
         arrays["replay"] = self.replay.rows[: self.replay.size]
         arrays["replay_ended"] = self.replay.ended[: self.replay.size]
         facts = {
@@ -262,7 +260,6 @@ class Run:
         self.layers, self.average = stored("layers"), stored("average")
         self.snapshots = [stored(f"snapshot{i}") for i in range(facts["snapshots"])]
         self.observation = arrays["observation"]
-        self.noise.state = arrays["noise"]
         self.replay.restore(arrays["replay"], arrays["replay_ended"], facts["replay_position"])
         self.rounds, self.updates = facts["rounds"], facts["updates"]
         self.random.bit_generator.state = facts["random"]

@@ -1,0 +1,52 @@
+"""Who explores: all at first, then all but the quiet simulations."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from probes import SETTINGS, Probe
+
+from robomore.training.crossq import CrossQ
+from robomore.training.loop import Run, deterministic
+from robomore.training.trainer import Transition
+
+
+class Recording(Probe):
+    """A probe that remembers what was done in it, and on what."""
+
+    def __init__(self) -> None:
+        super().__init__(lambda elapsed, bit, action: elapsed - np.square(action[:, 0] - bit))
+        self.seen: list[tuple[NDArray[Any], NDArray[Any]]] = []
+
+    def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
+        self.seen.append((self._observation(), actions.copy()))
+        return super().step(actions)
+
+
+@pytest.mark.parametrize(("share", "quiet"), [(0.0, 0), (0.5, 2), (0.7, 2), (0.99, 3)])
+def test_the_quiet_ones_act_by_the_policy_itself_once_there_is_one(
+    share: float, quiet: int
+) -> None:
+    settings = replace(SETTINGS, quiet_share=share)
+    environment = Recording()
+    run = Run(CrossQ(settings), settings, environment, seed=3)
+    run.observation = environment.reset(3)
+    while not run.updates:
+        run.advance()
+    for _, actions in environment.seen:
+        # Four draws from a range alike to the last bit would be no draws.
+        assert len(np.unique(actions)) == environment.n
+    assert np.abs([actions for _, actions in environment.seen]).max() > 0.9
+
+    policy = deterministic(run.layers)
+    environment.seen.clear()
+    run.advance()
+    assert len(environment.seen) == settings.steps_per_round // environment.n
+    for observation, actions in environment.seen:
+        exact = np.isclose(actions, policy.act(observation), atol=1e-6)[:, 0]
+        assert exact[:quiet].all()
+        assert not exact[quiet:].any()
