@@ -79,7 +79,8 @@ def ours(hidden: int, batch: int) -> Callable[[], None]:
     )
 
     class Sizes:
-        n, observation_size, action_size, discount = 16, OBSERVATIONS, ACTIONS, 0.99
+        n, observation_size, action_size = 16, OBSERVATIONS, ACTIONS
+        discount, quiet_share = 0.99, 0.0
 
     run = Run(CrossQ(settings), settings, Sizes(), seed=0)  # type: ignore[arg-type]
     for observation, action, reward, done, following in random_transitions(500):

@@ -68,7 +68,9 @@ class Probe:
     n = 4
     observation_size = 2
     action_size = 1
-    discount = 0.5  # not asked, as long as the settings have one of their own
+    # Not asked, as long as the settings have their own.
+    discount = 0.5
+    quiet_share = 0.5
 
     def __init__(
         self,
@@ -130,7 +132,9 @@ class Cart:
     n = 4
     observation_size = 2
     action_size = 1
-    discount = 0.5  # not asked, as long as the settings have one of their own
+    # Not asked, as long as the settings have their own.
+    discount = 0.5
+    quiet_share = 0.5
     length = 50
 
     def reset(self, seed: int) -> NDArray[np.float64]:

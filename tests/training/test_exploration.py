@@ -27,9 +27,9 @@ class Recording(Probe):
         return super().step(actions)
 
 
-@pytest.mark.parametrize(("share", "quiet"), [(0.0, 0), (0.5, 2), (0.7, 2), (0.99, 3)])
+@pytest.mark.parametrize(("share", "quiet"), [(0.0, 0), (0.5, 2), (0.7, 2), (0.99, 3), (None, 2)])
 def test_the_quiet_ones_act_by_the_policy_itself_once_there_is_one(
-    share: float, quiet: int
+    share: float | None, quiet: int
 ) -> None:
     settings = replace(SETTINGS, quiet_share=share)
     environment = Recording()

@@ -155,4 +155,5 @@ HALF_CHEETAH = Task(
     reward=SPEED_REWARD,
     environment="robomore.tasks.environments.half_cheetah:HalfCheetahEnvironment",
     constants={"pi": math.pi},
+    quiet_share=0.5,
 )

@@ -51,6 +51,7 @@ class Simulations:
     Attributes:
         n: simulations.
         discount: what a reward one control step later is worth, as the task sees it.
+        quiet_share: share of the simulations that the task wants to act without noise in training.
         observation_size: numbers in an observation.
         action_size: motors.
         environment: one Gymnasium environment of this body, for its options and batched facts.
@@ -99,6 +100,7 @@ class Simulations:
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self.n = n
         self.discount = task.discount
+        self.quiet_share = task.quiet_share
         self.action_size = int(self.model.nu)
         self.observation_size = sum(self.environment.observation_space.shape or ())
         self._frame_skip = int(self.environment.frame_skip)

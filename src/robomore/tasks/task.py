@@ -102,6 +102,9 @@ class Task:
         episode_steps: control steps of a full episode.
         discount: what a reward one control step later is worth in training, unless the trainer is
             told otherwise. A stroke that pays seconds later needs more than the usual 0.99.
+        quiet_share: share of the simulations that act without noise in training, unless the trainer
+            is told otherwise. It pays where episodes start in many poses; where they all start
+            alike, what acts without noise does one and the same thing over and over.
     """
 
     id: str
@@ -119,6 +122,7 @@ class Task:
     terrain: Terrain | None = None
     episode_steps: int = 1000
     discount: float = 0.99
+    quiet_share: float = 0.0
     version: int = 1
 
     @property

@@ -55,7 +55,7 @@ class LoopSettings(Protocol):
     @property
     def n_step(self) -> int: ...
     @property
-    def quiet_share(self) -> float: ...
+    def quiet_share(self) -> float | None: ...
     @property
     def average_share(self) -> float: ...
     @property
@@ -133,7 +133,8 @@ class Run:
         self.learner, self.layers = learning.begin(self.random, *sizes)
         self.average = self.layers
         self.snapshots: list[Layers] = []
-        self.quiet = int(settings.quiet_share * environment.n)
+        share = settings.quiet_share
+        self.quiet = int((environment.quiet_share if share is None else share) * environment.n)
         self.observation = np.zeros((environment.n, sizes[0]))
         self.rounds = 0
         self.updates = 0
@@ -145,6 +146,7 @@ class Run:
             environment.n,
             sizes,
             self.discount,
+            self.quiet,
         ]
         self.identity = json.loads(json.dumps(identity))
 

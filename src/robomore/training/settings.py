@@ -76,9 +76,10 @@ class CrossQSettings:
     renorm_after: int = 100_000
     """Gradient steps with plain batch normalisation before the correction of batch
     renormalisation sets in."""
-    quiet_share: Fraction = 0.5
+    quiet_share: Fraction | None = None
     """Share of the simulations that act without noise once learning has begun: what is measured in
-    the end is the policy without it, and so its own mistakes are seen and unlearnt."""
+    the end is the policy without it, and so its own mistakes are seen and unlearnt. `None` for what
+    the task says."""
     average_share: Fraction = 0.1
     """The policy that is returned is an exponential average over about this last share of the
     learning; 0 for the last policy itself."""
@@ -124,8 +125,9 @@ class SACSettings:
     """Weight of the policy's entropy at the start; it is learnt from there."""
     target_entropy: float | None = None
     """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
-    quiet_share: Fraction = 0.0
-    """Share of the simulations that act without noise once learning has begun."""
+    quiet_share: Fraction | None = 0.0
+    """Share of the simulations that act without noise once learning has begun; `None` for what the
+    task says."""
     average_share: Fraction = 0.0
     """The policy that is returned is an exponential average over about this last share of the
     learning; 0 for the last policy itself."""

@@ -28,6 +28,8 @@ class VectorEnvironment(Protocol):
     action_size: int
     discount: float
     """What a reward one control step later is worth, as the task sees it."""
+    quiet_share: float
+    """Share of the simulations that the task wants to act without noise once learning has begun."""
 
     def reset(self, seed: int) -> NDArray[np.float64]:
         """Start all episodes anew; returns observations (n, observation_size)."""
