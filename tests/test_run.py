@@ -24,7 +24,7 @@ from robomore.types import Evaluation, Status, TrainerSettings
 TRAINER = TrainerSettings(
     "crossq",
     # Small and eager: it need not get far, only somewhere.
-    {"hidden": [32], "batch_size": 32, "warm_up_steps": 256, "quiet_share": 0.0},
+    {"hidden": [32], "batch_size": 32, "warm_up_steps": 256},
 )
 TINY = RunSettings(
     search=SearchSettings(morphologies=2, rewards=1, survivors=0.5, max_cycles=1, repeats=1),

@@ -38,7 +38,7 @@ def test_the_quiet_ones_act_by_the_policy_itself_once_there_is_one(
     while not run.updates:
         run.advance()
     for _, actions in environment.seen:
-        # Four draws from a range alike to the last bit would be no draws.
+        # Draws of their own, none of them shared.
         assert len(np.unique(actions)) == environment.n
     assert np.abs([actions for _, actions in environment.seen]).max() > 0.9
 

@@ -103,8 +103,7 @@ class Task:
         discount: what a reward one control step later is worth in training, unless the trainer is
             told otherwise. A stroke that pays seconds later needs more than the usual 0.99.
         quiet_share: share of the simulations that act without noise in training, unless the trainer
-            is told otherwise. It pays where episodes start in many poses; where they all start
-            alike, what acts without noise does one and the same thing over and over.
+            is told otherwise. Whether it helps is a matter of the robot (docs/trainer.md).
     """
 
     id: str
