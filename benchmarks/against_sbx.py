@@ -29,12 +29,12 @@ from robomore.types import TrainerSettings
 SAME: dict[str, Any] = {
     "hidden": [128, 128],
     "batch_size": 128,
-    "pessimism": 1.0,
+    "min_q_weight": 1.0,
     "n_step": 1,
-    "initial_entropy_weight": 1.0,
-    "entropy_rate": 1e-3,
-    "quiet_share": 0.0,
-    "average_share": 0.0,
+    "init_alpha": 1.0,
+    "alpha_lr": 1e-3,
+    "deterministic_env_fraction": 0.0,
+    "policy_ema_fraction": 0.0,
     "snapshots": 1,
     "discount": 0.99,
 }

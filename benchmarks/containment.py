@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 
-from robomore.sandbox import pulse
+from robomore.sandbox import heartbeat as pulse
 from robomore.sandbox.contain import Contained, child_environment, run_contained
 from robomore.types import Limits, Status
 
@@ -92,12 +92,12 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
     """Print what the same training costs contained and plain."""
     import msgspec
 
+    from robomore.envs.vector_env import VectorEnv
     from robomore.evaluation.compiled import compiled_trainer
     from robomore.evaluation.request import Request
     from robomore.sandbox.contain import Containment
     from robomore.settings import preset
     from robomore.tasks import get_task
-    from robomore.tasks.simulation import Simulations
     from robomore.training.compilation import CACHE_VARIABLE
     from robomore.training.warm import Shape
     from robomore.types import Design, Job, Morphology, Reward
@@ -111,7 +111,7 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
         episodes=1,
         seed=0,
     )
-    robot = Simulations(task, task.human, 1)
+    robot = VectorEnv(task, task.human, 1)
     shape = Shape(job.trainer, robot.observation_size, robot.action_size)
     compiled = compiled_trainer(shape, Containment.STRICT)
     extra = {CACHE_VARIABLE: str(compiled)} if compiled else {}

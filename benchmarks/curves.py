@@ -18,12 +18,12 @@ from typing import Any
 
 import numpy as np
 
+from robomore.envs.reward_text import reward_function
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import TrainingDiverged, UnstableSimulation
 from robomore.evaluation.measure import choose, measure
 from robomore.identity import derive_seed
 from robomore.tasks import get_task
-from robomore.tasks.reward_text import reward_function
-from robomore.tasks.simulation import Simulations
 from robomore.tasks.task import Task
 from robomore.training.loop import Run
 from robomore.training.settings import make_trainer, settings_from
@@ -108,10 +108,10 @@ def body_of(robot: str, body: str) -> tuple[float, ...]:
 
 def open_trainer(
     task: Task, parameters: tuple[float, ...], trainer: TrainerSettings, reward: str = ""
-) -> tuple[Any, Simulations]:
+) -> tuple[Any, VectorEnv]:
     """Return a trainer and what it trains in: as in an evaluation, but for the containment."""
     settings = settings_from(trainer)
-    environment = Simulations(
+    environment = VectorEnv(
         task,
         parameters,
         settings.simulations,

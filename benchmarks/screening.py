@@ -165,8 +165,10 @@ def report(rows: Sequence[Row]) -> None:
     assert halving is not None
     ways: dict[str, Screening] = {
         "halving (the default)": halving,
-        "halving, all bodies alike": replace(halving, hopeless=0.0),
-        "hopeless bodies only": replace(halving, rungs=(replace(halving.rungs[0], kept=1.0),)),
+        "halving, all bodies alike": replace(halving, prefilter_fraction=0.0),
+        "prefilter_fraction bodies only": replace(
+            halving, rungs=(replace(halving.rungs[0], kept=1.0),)
+        ),
     }
     for name, way in ways.items():
         found, true, share = screen(rows, way)

@@ -1,7 +1,7 @@
 """What a control step costs over the bare physics, for each robot.
 
 Each step is done three times from the same states with the same actions, one right after the other:
-bare `mj_step` of all simulations, `Simulations` without a reward, and `Simulations` with the
+bare `mj_step` of all simulations, `VectorEnv` without a reward, and `VectorEnv` with the
 reference reward, which runs for the whole batch; in another pass it runs once per simulation.
 Medians over steps of the thread's own processor time.
 
@@ -21,9 +21,9 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import mujoco
 import numpy as np
 
+from robomore.envs.reward_text import reward_function
+from robomore.envs.vector_env import VectorEnv
 from robomore.tasks import get_task
-from robomore.tasks.reward_text import reward_function
-from robomore.tasks.simulation import Simulations
 
 ROBOTS = ("ant", "half-cheetah", "hopper", "walker", "swimmer")
 WARM_UP = 40
@@ -35,8 +35,8 @@ STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 def measure(robot: str, n: int, steps: int, batched: bool = True) -> list[float]:
     """Return microseconds per simulation and control step: bare, without and with reward."""
     task = get_task(robot)
-    led = Simulations(task, task.human, n, reward_function(task.reward), batched=batched)
-    unpaid = Simulations(task, task.human, n)
+    led = VectorEnv(task, task.human, n, reward_function(task.reward), batched=batched)
+    unpaid = VectorEnv(task, task.human, n)
     bare = [mujoco.MjData(led.model) for _ in range(n)]
     model, frame_skip = led.model, led.environment.frame_skip
     row = np.empty(mujoco.mj_stateSize(model, STATE))

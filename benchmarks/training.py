@@ -85,7 +85,7 @@ def sb3_milliseconds(robot: str) -> float:
     """Return core-milliseconds of one control step with its share of learning."""
     times = []
     for steps in (SHORT, LONG):
-        settings = TrainerSettings("sb3", {"warm_up_steps": WARM_UP})
+        settings = TrainerSettings("sb3", {"learning_starts": WARM_UP})
         trainer, environment = open_trainer(get_task(robot), get_task(robot).human, settings)
         began = time.process_time()
         trainer.train(environment, steps, seed=0)

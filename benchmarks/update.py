@@ -75,12 +75,12 @@ def in_turns(contenders: dict[str, Callable[[], None]], seconds: float) -> dict[
 def ours(hidden: int, batch: int) -> Callable[[], None]:
     """One bout of learning as in training: sampling and noise included."""
     settings = CrossQSettings(
-        hidden=(hidden, hidden), batch_size=batch, updates_per_round=UPDATES, replay_size=50_000
+        hidden=(hidden, hidden), batch_size=batch, gradient_steps=UPDATES, buffer_size=50_000
     )
 
     class Sizes:
         n, observation_size, action_size = 16, OBSERVATIONS, ACTIONS
-        discount, quiet_share = 0.99, 0.0
+        discount, deterministic_env_fraction = 0.99, 0.0
 
     run = Run(CrossQ(settings), settings, Sizes(), seed=0)  # type: ignore[arg-type]
     for observation, action, reward, done, following in random_transitions(500):

@@ -28,7 +28,7 @@ def run(arguments: str) -> str:
         ("simulation.py --steps 4", ["ant", "half-cheetah", "hopper", "walker", "swimmer"]),
         (
             "learning.py --robots swimmer --seeds 1 --steps 6400 --every 3200 "
-            "--set warm_up_steps=1024",
+            "--set learning_starts=1024",
             ["swimmer, human body", "3200", "6400"],
         ),
     ],

@@ -18,10 +18,10 @@ import pytest
 import robomore.experiment
 from fake_run import PROVENANCE, FakeRun, finished_run
 from robomore.cli import main
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import Interrupted, NothingTrained
 from robomore.store.champion import write_sums
 from robomore.tasks import TASKS, get_task
-from robomore.tasks.simulation import Simulations
 from robomore.training.policy import MLPPolicy
 from robomore.types import Design, Evaluation, Job, Morphology, Reward, Status, TrainerSettings
 
@@ -59,7 +59,7 @@ def robomore_(capsys: pytest.CaptureFixture[str]) -> Command:
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("runs") / "finished"
     run = finished_run(path)
-    simulations = Simulations(run.task, run.morphology(0.3).parameters, 1)
+    simulations = VectorEnv(run.task, run.morphology(0.3).parameters, 1)
     shape = (simulations.observation_size, simulations.action_size)
     policy = MLPPolicy((np.ones(shape, np.float32),), (np.zeros(shape[1], np.float32),))
     policy.save(path / "champion" / "policy.npz")

@@ -16,11 +16,11 @@ from robomore.cli import main
 from robomore.cli.app import application
 from robomore.cli.llm import ModelOptions, language_model
 from robomore.designers import LanguageModel
-from robomore.designers.llm import LLMSettings
-from robomore.designers.prompting import KINDS, render_prompt
+from robomore.designers.llm.designer import LLMSettings
+from robomore.designers.llm.prompting import KINDS, render_prompt
 from robomore.llm import Exchange, Sampling, connect
 from robomore.llm.providers import COMPATIBLE_KEY
-from robomore.llm.retry import Patience
+from robomore.llm.retry import RetryPolicy
 from robomore.report.command import command_line
 from robomore.settings import preset
 from robomore.store import Manifest
@@ -39,7 +39,7 @@ Command = Callable[..., Said]
 def robomore_(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
     """Run a command in this process, without training and without waiting."""
     monkeypatch.setattr(robomore.experiment, "Processes", Untrained)
-    monkeypatch.setattr(Patience, "wait", lambda self, tried: 0.0)
+    monkeypatch.setattr(RetryPolicy, "wait", lambda self, tried: 0.0)
     monkeypatch.setenv(COMPATIBLE_KEY, KEY)
 
     def run(*arguments: str | Path) -> Said:
@@ -148,7 +148,7 @@ def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: 
             *("run", "swimmer", "--designer", "llm", "--base-url", url, "--model", "toy"),
             *("--quiet", "--out", tmp_path / "out"),
         )
-    assert status == 1 and len(script.seen) == Patience().tries
+    assert status == 1 and len(script.seen) == RetryPolicy().tries
     assert "run the same command again" in err and err.count("\n") == 1
 
 
@@ -239,7 +239,7 @@ def test_another_trainer_reuses_the_proposals_over_the_command_line(
         return robomore_(
             *("run", "swimmer", "--preset", "smoke", "--rewards", "1", "--seed", "1"),
             *("--designer", "replay", "--from", finished, "--trainer", "sac", *more),
-            *("--trainer-option", "warm_up_steps=500", "--out", out, "--quiet", "--json"),
+            *("--trainer-option", "learning_starts=500", "--out", out, "--quiet", "--json"),
         )
 
     # Other numbers make other prompts, so by content the two runs part in the fine stage.
@@ -266,7 +266,7 @@ def test_a_replay_that_goes_further_than_the_recording_does_without(
     for number in range(1, 20):
         out = tmp_path / str(number)
         # Its numbers are made from its settings, so some trainer improves something.
-        other = ("--cycles", "2", "--trainer-option", f"policy_rate={number}e-4")
+        other = ("--cycles", "2", "--trainer-option", f"actor_lr={number}e-4")
         status, said, err = robomore_(*replay, *other, "--out", out)
         assert status == 0, err
         if (told := json.loads(said))["empty_slots"]:

@@ -10,7 +10,6 @@ import pytest
 from rich.console import Console
 
 from robomore.cli.live import LiveView, PlainLines, render
-from robomore.cli.progress import Progress, steps_after
 from robomore.events import (
     BatchBegan,
     Finished,
@@ -20,6 +19,7 @@ from robomore.events import (
     Spent,
     Started,
 )
+from robomore.monitor.progress import Progress, steps_after
 from robomore.settings import Budget, RunSettings, SearchSettings
 from robomore.types import (
     Design,

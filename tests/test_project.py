@@ -140,7 +140,7 @@ def group(name: str) -> list[str]:
 
 
 def test_the_example_task_is_a_sound_robot(monkeypatch: pytest.MonkeyPatch) -> None:
-    from robomore.tasks.compile import body_facts
+    from robomore.envs.compile import body_facts
 
     folder = ROOT / "examples" / "eel"
     announced = tomllib.loads((folder / "pyproject.toml").read_text())["project"]["entry-points"]

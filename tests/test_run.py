@@ -24,7 +24,7 @@ from robomore.types import Evaluation, Status, TrainerSettings
 TRAINER = TrainerSettings(
     "crossq",
     # Small and eager: it need not get far, only somewhere.
-    {"hidden": [32], "batch_size": 32, "warm_up_steps": 256},
+    {"hidden": [32], "batch_size": 32, "learning_starts": 256},
 )
 TINY = RunSettings(
     search=SearchSettings(morphologies=2, rewards=1, survivors=0.5, max_cycles=1, repeats=1),
@@ -164,7 +164,7 @@ def test_presets_are_known_by_name_and_grow() -> None:
 def test_every_preset_names_a_trainer_that_there_is(name: str) -> None:
     settings = preset(name)
     rounds = settings_from(settings.trainer)
-    assert settings.candidate.steps > rounds.warm_up_steps + rounds.steps_per_round
+    assert settings.candidate.steps > rounds.learning_starts + rounds.train_freq
 
 
 def _effort(target: float) -> str:

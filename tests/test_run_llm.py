@@ -21,16 +21,16 @@ import pytest
 import robomore.experiment
 from llm.loopback import KEY, Script, serve
 from robomore.designers import LanguageModel, Replay
-from robomore.designers.history import HistorySettings
-from robomore.designers.llm import LLMSettings
+from robomore.designers.llm.designer import LLMSettings
+from robomore.designers.llm.history import HistorySettings
 from robomore.errors import BudgetExhausted, InputError, ModelUnavailable, RunFolderError
-from robomore.evaluation.rehearse import Rehearsal
 from robomore.executors import Done, Processes
 from robomore.experiment import run
 from robomore.llm import Exchange, ModelBudget, Sampling, Spending, connect
 from robomore.llm.providers import COMPATIBLE_KEY
-from robomore.llm.retry import Patience
+from robomore.llm.retry import RetryPolicy
 from robomore.report.summary import summarise
+from robomore.rewards.dry_run import DryRun
 from robomore.settings import RunSettings
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import get_task
@@ -73,13 +73,13 @@ CONVERSATION: list[str | tuple[str, str]] = [
 """What the server says to a run of `TINY` with one repair, in order."""
 
 
-ONCE = Patience(tries=1)
+ONCE = RetryPolicy(tries=1)
 
 
 def talk(
     out: Path,
     url: str,
-    patience: Patience = ONCE,
+    patience: RetryPolicy = ONCE,
     settings: RunSettings = TINY,
     **options: object,
 ) -> Path:
@@ -178,7 +178,7 @@ def test_a_replay_of_another_search_says_where_it_parts(drafted: Path, tmp_path:
 def test_by_slot_another_trainer_gets_the_same_proposals(
     drafted: Path, tmp_path: Path, untrained: None
 ) -> None:
-    trainer = replace(TINY.trainer, options={**TINY.trainer.options, "policy_rate": 3e-4})
+    trainer = replace(TINY.trainer, options={**TINY.trainer.options, "actor_lr": 3e-4})
     other = replace(TINY, trainer=trainer)
     folder = run("swimmer", other, Replay(drafted, "slot"), seed=1, out=tmp_path / "o").folder
     assert numbers(folder) != numbers(drafted)
@@ -246,11 +246,11 @@ def test_a_server_that_fails_in_every_way_and_a_run_killed_in_between(
         from pathlib import Path
         sys.path.insert(0, sys.argv[3])
         import robomore.experiment
-        from robomore.llm.retry import Patience
+        from robomore.llm.retry import RetryPolicy
         from test_run_llm import talk
         from untrained import Untrained
         robomore.experiment.Processes = Untrained
-        talk(Path(sys.argv[1]), sys.argv[2], Patience(first_wait=0.01, seconds=6.0))
+        talk(Path(sys.argv[1]), sys.argv[2], RetryPolicy(first_wait=0.01, seconds=6.0))
         """
     )
     out = tmp_path / "out"
@@ -478,7 +478,7 @@ def test_no_key_reaches_a_worker_or_a_rewards_process(
     assert b"ROBOMORE_CACHE" in seen.reply and b"PATH" in seen.reply
     assert b"KEY" not in seen.reply
     curious = program("raise ValueError(sorted(__import__('os').environ))")[1]
-    (found,) = Rehearsal(get_task("swimmer"), tmp_path)(curious.strip("`").removeprefix("python"))
+    (found,) = DryRun(get_task("swimmer"), tmp_path)(curious.strip("`").removeprefix("python"))
     assert "'PATH'" in found.message and "KEY" not in found.message
 
 
@@ -486,7 +486,7 @@ def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) 
     """In earnest, but for the model (`test_quick_llm.py` has a real server)."""
     small = replace(TINY, search=replace(TINY.search, morphologies=1))
     with serve("page", body(0.8), "broken", GOOD, body(0.7), OTHER) as (url, _):
-        patience = Patience(first_wait=0.01)
+        patience = RetryPolicy(first_wait=0.01)
         chosen = LanguageModel(connect("toy", base_url=url, patience=patience), server=url)
         folder = run("swimmer", small, chosen, seed=1, workers=2, out=tmp_path / "run").folder
     accepted = [one for one in exchanges(folder) if one.findings == ()]

@@ -91,5 +91,5 @@ EEL = Task(
     rules=(Rule("the tail must not be thicker than the head", thickens),),
     shapes=shapes,
     reward=REWARD,
-    environment="robomore.tasks.environments.swimmer:SwimmerEnvironment",
+    environment="robomore.envs.robots.swimmer:SwimmerEnvironment",
 )

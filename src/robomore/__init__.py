@@ -38,4 +38,4 @@ def __getattr__(name: str) -> Any:
 
 if "gymnasium" in sys.modules:
     # Who has imported Gymnasium already may want `gymnasium.make("robomore/Ant-v0")`.
-    importlib.import_module("robomore.tasks.registration")
+    importlib.import_module("robomore.envs.registration")

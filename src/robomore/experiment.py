@@ -15,25 +15,25 @@ from typing import Any
 import msgspec
 
 from robomore.designers import Designer, LanguageModel, Replay, make_designer
-from robomore.designers.llm import LLMDesigner, LLMSettings
+from robomore.designers.llm.designer import LLMDesigner, LLMSettings
 from robomore.designers.recorded import RecordedDesigner
 from robomore.errors import InputError, Interrupted
 from robomore.evaluation.evaluate import evaluate as evaluate_request
 from robomore.evaluation.evaluator import Evaluator
-from robomore.evaluation.pictures import pictures
-from robomore.evaluation.rehearse import Rehearsal
 from robomore.evaluation.request import Request
 from robomore.events import Observer, RunBegan, Spent, ignore, one_at_a_time
 from robomore.executors import Processes, Threads
 from robomore.identity import job_key
-from robomore.llm import Correspondence, MemoryLog, ReplayModel, Spending
+from robomore.llm import BudgetedClient, MemoryLog, ReplayModel, Spending
+from robomore.rendering.snapshots import pictures
 from robomore.report import write_report
+from robomore.rewards.dry_run import DryRun
 from robomore.sandbox.contain import Containment
 from robomore.sandbox.layers import ensure, missing
 from robomore.sandbox.lock import Layer
 from robomore.search import final, robomore
 from robomore.settings import RunSettings, preset
-from robomore.store import LedgerExchanges, Manifest, RunFolder, package_versions, whole_ledger
+from robomore.store import LedgerExchanges, Manifest, RunFolder, open_or_recover, package_versions
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.training.settings import ensure_trainer, packages_for
@@ -109,7 +109,7 @@ def run(
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
-        ledger = stack.enter_context(closing(whole_ledger(folder.ledger)))
+        ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
         began = (task.id, name, settings, chosen.name, chosen.provenance, seed, workers, out)
         observe(RunBegan(*began, layers))
         executor = stack.enter_context(closing(Processes(workers)))
@@ -237,7 +237,7 @@ def _chosen(
         return _Chosen(designer, made.provenance, lambda folder, stack: made)
     model = _recorded(designer) if isinstance(designer, Replay) else designer
     # Before anything is written, refuse a limit that cannot be kept.
-    Correspondence(model.model, MemoryLog(), model.budget)
+    BudgetedClient(model.model, MemoryLog(), model.budget)
 
     def watch(spent: Spending) -> None:
         dollars = None if spent.unpriced else spent.cost
@@ -247,10 +247,10 @@ def _chosen(
         log = stack.enter_context(closing(LedgerExchanges(folder.ledger)))
         return LLMDesigner(
             task,
-            Correspondence(model.model, log, model.budget, watch),
+            BudgetedClient(model.model, log, model.budget, watch),
             model.settings,
             objective=objective,
-            rehearse=Rehearsal(task, folder.scratch, containment),
+            rehearse=DryRun(task, folder.scratch, containment),
             pictures=partial(_seen, task, folder.artifacts) if model.vision else None,
         )
 

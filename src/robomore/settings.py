@@ -26,10 +26,10 @@ class Screening:
 
     rungs: tuple[Rung, ...] = (Rung(share=0.2, kept=0.25), Rung(share=0.4, kept=0.1))
     """Rising shares of training; what is kept at the last one is trained to the end."""
-    hopeless: float = 0.4
+    prefilter_fraction: float = 0.4
     """Share of the bodies, worst under the reference reward at the first rung, that get fewer
     rewards tried; 0 treats all alike and saves that look."""
-    rewards_for_hopeless: int = 1
+    prefiltered_rewards: int = 1
     """Rewards tried on each of those, the first ones proposed."""
 
 
@@ -87,7 +87,7 @@ def smoke() -> RunSettings:
         search=SearchSettings(
             morphologies=2, rewards=2, survivors=0.25, max_cycles=1, finalists=1, repeats=1
         ),
-        trainer=TrainerSettings("crossq", {"warm_up_steps": 512}),
+        trainer=TrainerSettings("crossq", {"learning_starts": 512}),
         candidate=Budget(steps=2_048, episodes=2),
         final=Budget(steps=2_048, episodes=2),
     )

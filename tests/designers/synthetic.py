@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from robomore.designers.space import UnitSpace
+from robomore.designers.offline.space import UnitSpace
 from robomore.tasks.task import Task
 from robomore.types import (
     Design,

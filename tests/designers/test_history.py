@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from measured import SWIMMER, body, evaluation, grid, reward
 
-from robomore.designers.history import (
+from robomore.designers.llm.history import (
     RULES,
     Entry,
     HistorySettings,

@@ -20,12 +20,12 @@ from loopback import serve
 from scripted import DyingLog, Killed, ScriptedModel
 
 from robomore.designers.designer import Designer
-from robomore.designers.history import HistorySettings
-from robomore.designers.llm import LLMDesigner, LLMSettings
+from robomore.designers.llm.designer import LLMDesigner, LLMSettings
+from robomore.designers.llm.history import HistorySettings
 from robomore.errors import BudgetExhausted, InputError, ProposalFailed
 from robomore.executors import Threads
-from robomore.llm import Correspondence, MemoryLog, ModelBudget, ReplayModel, Request, Sampling
-from robomore.sandbox.check import Finding
+from robomore.llm import BudgetedClient, MemoryLog, ModelBudget, ReplayModel, Request, Sampling
+from robomore.rewards.check import Finding
 from robomore.types import Slot
 
 BODY = Slot("coarse", "morphology", 0, 0)
@@ -50,7 +50,7 @@ def designer(
     budget = given.pop("budget", None)
     settings = given.pop("settings", LLMSettings())
     log = MemoryLog() if log is None else log
-    return LLMDesigner(SWIMMER, Correspondence(model, log, budget), settings, **given)
+    return LLMDesigner(SWIMMER, BudgetedClient(model, log, budget), settings, **given)
 
 
 def test_it_is_a_designer_and_says_who_designs() -> None:
@@ -311,19 +311,19 @@ def test_ideas_cannot_move_the_cursor() -> None:
 def test_over_a_real_connection_that_misbehaves() -> None:
     pytest.importorskip("pydantic_ai")
     from robomore.llm import connect
-    from robomore.llm.retry import Patience
+    from robomore.llm.retry import RetryPolicy
 
     steps = ["busy", "drop", "no_schema", ("say", said(0.3)), "half", "cut_off", ("say", coded(1))]
     log = MemoryLog()
     with serve(*steps) as (url, script):
-        model = connect("toy", base_url=url, patience=Patience(first_wait=0.01))
+        model = connect("toy", base_url=url, patience=RetryPolicy(first_wait=0.01))
         model._sleep = lambda seconds: None
-        made = LLMDesigner(SWIMMER, Correspondence(model, log))
+        made = LLMDesigner(SWIMMER, BudgetedClient(model, log))
         assert made.propose_morphology(BODY, []).parameters[0] == 0.3
         assert made.propose_reward(REWARD, []).source == reward(1).source
         # Resumed: everything is known, nothing is sent.
         sent = len(script.seen)
-        again = LLMDesigner(SWIMMER, Correspondence(model, log))
+        again = LLMDesigner(SWIMMER, BudgetedClient(model, log))
         again.propose_morphology(BODY, [])
         again.propose_reward(REWARD, [])
     assert sent == len(script.seen) == len(steps)
@@ -333,11 +333,11 @@ def test_over_a_real_connection_that_misbehaves() -> None:
 def test_a_budget_of_requests_counts_each_try_and_is_never_passed() -> None:
     pytest.importorskip("pydantic_ai")
     from robomore.llm import connect
-    from robomore.llm.retry import Patience
+    from robomore.llm.retry import RetryPolicy
 
     log = MemoryLog()
     with serve("broken", "half", "broken", ("say", said(0.3)), ("say", coded(1))) as (url, script):
-        model = connect("toy", base_url=url, patience=Patience(first_wait=0.01))
+        model = connect("toy", base_url=url, patience=RetryPolicy(first_wait=0.01))
         model._sleep = lambda seconds: None
         for allowed, sent in ((2, 2), (2, 2), (3, 3)):
             made = designer(model, log, budget=ModelBudget(requests=allowed))

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from robomore.designers.offline import OfflineDesigner
+from robomore.designers.offline.designer import OfflineDesigner
+from robomore.designers.offline.space import UnitSpace, distances
 from robomore.designers.random import RandomDesigner
-from robomore.designers.space import UnitSpace, distances
 from robomore.errors import ProposalFailed
 from robomore.tasks.registry import TASKS
 from robomore.tasks.task import Rule

@@ -11,15 +11,21 @@ import gymnasium
 import numpy as np
 import pytest
 
-from robomore.designers.offline import OfflineDesigner
-from robomore.designers.recipe import STYLES, Recipe, guessed, middle, read
-from robomore.designers.reward_terms import TERMS
-from robomore.designers.rewards import Composer, led
+from robomore.designers.offline.designer import OfflineDesigner
+from robomore.designers.offline.reward_composition import (
+    STYLES,
+    RewardComposition,
+    guessed,
+    middle,
+    read,
+)
+from robomore.designers.offline.reward_sampler import RewardSampler, led
+from robomore.designers.offline.reward_terms import TERMS
+from robomore.envs.reward_text import reward_function
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import ProposalFailed
-from robomore.sandbox.check import check_reward
+from robomore.rewards.check import check_reward
 from robomore.tasks.registry import TASKS
-from robomore.tasks.reward_text import reward_function
-from robomore.tasks.simulation import Simulations
 from robomore.types import Reward, Slot
 
 COUNT = 25
@@ -36,8 +42,8 @@ def slot(index: int, attempt: int = 0) -> Slot:
 
 
 @cache
-def composer(task: str) -> Composer:
-    return Composer(TASKS[task], seed=3)
+def composer(task: str) -> RewardSampler:
+    return RewardSampler(TASKS[task], seed=3)
 
 
 @cache
@@ -68,7 +74,7 @@ def test_all_rewards_run_on_the_official_robot(task: str) -> None:
     random = np.random.default_rng(0)
     # Not only the proposals: every term that can be in one.
     alone = [
-        Recipe({term.name: middle(term)}).source(composer(task).body)
+        RewardComposition({term.name: middle(term)}).source(composer(task).body)
         for term in composer(task).suitable
         if term.sign > 0
     ]
@@ -85,7 +91,7 @@ def test_all_rewards_run_in_training(task: str) -> None:
     known = TASKS[task]
     body = OfflineDesigner(known, 3).propose_morphology(Slot("coarse", "morphology", 0, 0), ())
     for reward in proposals(task)[:8]:
-        simulations = Simulations(known, body.parameters, 2, reward_function(reward.source))
+        simulations = VectorEnv(known, body.parameters, 2, reward_function(reward.source))
         simulations.reset(0)
         for _ in range(3):
             step = simulations.step(np.full((2, simulations.action_size), 0.3))
@@ -137,7 +143,7 @@ def test_each_task_has_terms_of_its_own() -> None:
 
 def test_a_proposal_depends_on_its_arguments_alone() -> None:
     rewards = proposals("walker")
-    fresh = Composer(TASKS["walker"], seed=3)
+    fresh = RewardSampler(TASKS["walker"], seed=3)
     assert fresh.propose(slot(5), rewards[:5]) == rewards[5]
     assert fresh.propose(slot(1), rewards[:1]) == rewards[1]
     assert fresh.propose(slot(5, attempt=1), rewards[:5]) != rewards[5]
@@ -153,7 +159,9 @@ def test_costs_are_subtracted_and_speed_is_worth_something() -> None:
         assert checked(function(environment, 2.0, still)) > checked(
             function(environment, 0.1, still)
         )
-    source = Recipe({"forward_speed": 2.0, "effort": 0.1}).source(composer("hopper").body)
+    source = RewardComposition({"forward_speed": 2.0, "effort": 0.1}).source(
+        composer("hopper").body
+    )
     function = reward_function(source)
     assert checked(function(environment, 1.0, hard)) == pytest.approx(2.0 - 0.3)
     assert function(environment, 1.0, hard)[1]["effort"] == pytest.approx(-0.3)
@@ -165,7 +173,7 @@ def test_motors_are_matched_with_their_joints() -> None:
     environment.reset(seed=0)
     environment.data.qvel[:] = 0
     environment.data.qvel[12] = 2.0  # hip_4, the first motor's joint
-    recipe = Recipe({"forward_speed": 2.0, "power": 0.01})
+    recipe = RewardComposition({"forward_speed": 2.0, "power": 0.01})
     function = reward_function(recipe.source(composer("ant").body))
     action = np.zeros(8)
     action[0] = 1.0
@@ -175,7 +183,7 @@ def test_motors_are_matched_with_their_joints() -> None:
 @pytest.mark.parametrize("style", STYLES)
 def test_a_text_is_read_back_and_an_edited_one_is_not(style: str) -> None:
     body = composer("walker").body
-    recipe = Recipe({"sprint": 1.5, "alive": 0.5, "stride": 0.2, "power": 0.004}, style)
+    recipe = RewardComposition({"sprint": 1.5, "alive": 0.5, "stride": 0.2, "power": 0.004}, style)
     source = recipe.source(body)
     assert read(source, body) == recipe
     assert read(source.replace("1.5 * x", "2.5 * x"), body) is None
@@ -194,13 +202,15 @@ def test_a_strangers_reward_is_recognised_by_its_words() -> None:
 
 
 def test_bonuses_for_standing_are_damped() -> None:
-    recipe = led(Recipe({"forward_speed": 1.0, "alive": 1.5, "upright": 0.5, "effort": 0.1}))
+    recipe = led(
+        RewardComposition({"forward_speed": 1.0, "alive": 1.5, "upright": 0.5, "effort": 0.1})
+    )
     assert recipe.weights["alive"] + recipe.weights["upright"] == pytest.approx(1.0, rel=0.02)
     assert recipe.weights["effort"] == 0.1
 
 
 def test_no_term_of_a_reward_hides_another() -> None:
-    recipe = Recipe({"forward_speed": 1.0, "effort": 0.05})
+    recipe = RewardComposition({"forward_speed": 1.0, "effort": 0.05})
     assert list(recipe.having(TERMS["power"], 0.004).weights) == ["forward_speed", "power"]
     assert recipe.having(TERMS["effort"], 99.0).weights["effort"] == 2 * TERMS["effort"].high
 
@@ -208,4 +218,4 @@ def test_no_term_of_a_reward_hides_another() -> None:
 def test_a_robot_nothing_is_known_of_is_a_failed_proposal() -> None:
     strange = replace(TASKS["swimmer"], fitness="height")
     with pytest.raises(ProposalFailed, match="no reward term"):
-        Composer(strange, 0).propose(slot(0), ())
+        RewardSampler(strange, 0).propose(slot(0), ())

@@ -20,9 +20,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from measured import SWIMMER
 
-from robomore.designers.extraction import LONGEST, NotFound, find_code, find_object
-from robomore.designers.parsing import BadReply, parse_morphology, parse_reward
-from robomore.sandbox.check import Finding
+from robomore.designers.llm.extraction import LONGEST, NotFound, find_code, find_object
+from robomore.designers.llm.parsing import BadReply, parse_morphology, parse_reward
+from robomore.rewards.check import Finding
 from robomore.types import Morphology, Reward
 
 REPLIES = sorted((Path(__file__).parent / "replies").glob("*.txt"))

@@ -11,27 +11,27 @@ from xml.etree import ElementTree
 import pytest
 from measured import body, evaluation, reward
 
-from robomore.designers.estimate import estimate
-from robomore.designers.history import HistorySettings
-from robomore.designers.llm import LLMSettings
-from robomore.designers.parsing import parse_morphology
-from robomore.designers.prompting import (
+from robomore.designers.llm.designer import LLMSettings
+from robomore.designers.llm.estimate import estimate
+from robomore.designers.llm.history import HistorySettings
+from robomore.designers.llm.parsing import parse_morphology
+from robomore.designers.llm.prompting import (
     KINDS,
     morphology_schema,
     render,
     render_prompt,
     repair_message,
 )
+from robomore.envs.robots import environment_class
+from robomore.envs.source import environment_source
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
 from robomore.tasks import TASKS, Task, get_task
-from robomore.tasks.environments import environment_class
-from robomore.tasks.source import environment_source
 from robomore.types import Morphology, Reward
 
 EACH = pytest.mark.parametrize("task", TASKS.values(), ids=list(TASKS))
 SWIMMER = get_task("swimmer")
-FILES = sorted(p.name for p in (resources.files("robomore.designers") / "prompts").iterdir())
+FILES = sorted(p.name for p in (resources.files("robomore.designers.llm") / "prompts").iterdir())
 
 
 def middle(task: Task) -> Morphology:
@@ -154,7 +154,7 @@ def test_a_leak_would_be_noticed(task: Task) -> None:
 
 @pytest.mark.parametrize("file", FILES)
 def test_the_texts_hint_at_no_answer(file: str) -> None:
-    text = (resources.files("robomore.designers") / "prompts" / file).read_text("utf-8").lower()
+    text = (resources.files("robomore.designers.llm") / "prompts" / file).read_text("utf-8").lower()
     hints = r"\b(thin|slender|long legs?|short|tall|jump|hop|roll|gallop|crawl|bounce|gait|light)"
     assert not re.search(hints, text)
     # A number in a prompt would be a suggestion; these count items and name units.

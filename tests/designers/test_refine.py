@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from synthetic import Bowl, evaluation
 
-from robomore.designers.offline import OfflineDesigner
-from robomore.designers.surrogate import GaussianProcess, expected_improvement
+from robomore.designers.offline.designer import OfflineDesigner
+from robomore.designers.offline.surrogate import GaussianProcess, expected_improvement
 from robomore.tasks.registry import TASKS
 from robomore.types import Evaluation, Morphology, Reward, Slot, Status
 

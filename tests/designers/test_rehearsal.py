@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from measured import SWIMMER
 
-from robomore.designers.llm import LLMDesigner, LLMSettings
-from robomore.designers.rehearsal import Rehearsed, Term, bodies, findings
-from robomore.evaluation.rehearse import RANDOM_BODIES, SIMULATIONS, STEPS, Rehearsal
-from robomore.llm import Correspondence, Exchange, MemoryLog, Message, Sampling
+from robomore.designers.llm.designer import LLMDesigner, LLMSettings
+from robomore.llm import BudgetedClient, Exchange, MemoryLog, Message, Sampling
 from robomore.llm.replay import ReplayModel
-from robomore.sandbox.check import Finding
+from robomore.rewards.check import Finding
+from robomore.rewards.dry_run import RANDOM_BODIES, SIMULATIONS, STEPS, DryRun
+from robomore.rewards.dry_run_findings import Rehearsed, Term, bodies, findings
 from robomore.tasks import TASKS, get_task
 from robomore.types import Slot
 
@@ -68,7 +68,7 @@ def test_bodies_are_valid_and_the_same_every_time(task) -> None:
 @pytest.mark.parametrize("name", ["swimmer", "ant"])
 def test_the_reference_reward_passes(name: str, tmp_path: Path) -> None:
     task = get_task(name)
-    found = Rehearsal(task, tmp_path)(task.reward)
+    found = DryRun(task, tmp_path)(task.reward)
     assert [f for f in found if f.severity == "error"] == []
     assert not list(tmp_path.iterdir())
 
@@ -88,7 +88,7 @@ def test_the_reference_reward_passes(name: str, tmp_path: Path) -> None:
 def test_a_bad_reward_is_told_of_in_its_line(
     lines: list[str], line: int, said: str, tmp_path: Path
 ) -> None:
-    (found,) = Rehearsal(SWIMMER, tmp_path)(program(*lines))
+    (found,) = DryRun(SWIMMER, tmp_path)(program(*lines))
     assert found.severity == "error" and said in found.message
     if "while" not in lines[0]:
         assert found.line == line
@@ -100,7 +100,7 @@ def test_every_call_of_a_good_reward_is_seen(tmp_path: Path) -> None:
         "effort = 0.1 * float(np.sum(action ** 2))",
         "return speed - effort, {'speed': speed, 'effort': -effort}",
     )
-    (found,) = Rehearsal(SWIMMER, tmp_path)(source)
+    (found,) = DryRun(SWIMMER, tmp_path)(source)
     assert found.severity == "warning" and "'speed' dominates" in found.message
 
 
@@ -117,7 +117,7 @@ def test_a_doubt_is_told_once_and_then_the_model_has_its_way() -> None:
     kept = [_answer(slot, repair, f"```python\n{source}```") for repair in (0, 1)]
     designer = LLMDesigner(
         SWIMMER,
-        Correspondence(ReplayModel(MemoryLog(kept), "slot"), log),
+        BudgetedClient(ReplayModel(MemoryLog(kept), "slot"), log),
         LLMSettings(repairs=1),
         rehearse=rehearse,
     )

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 import pytest
 from synthetic import evaluation
 
-from robomore.designers.offline import OfflineDesigner
-from robomore.designers.recipe import Recipe, read
-from robomore.designers.rewards import Composer
+from robomore.designers.offline.designer import OfflineDesigner
+from robomore.designers.offline.reward_composition import RewardComposition, read
+from robomore.designers.offline.reward_sampler import RewardSampler
+from robomore.envs.reward_text import reward_function
 from robomore.tasks.registry import TASKS
-from robomore.tasks.reward_text import reward_function
 from robomore.types import Evaluation, Morphology, Reward, Slot, Status
 
 HOPPER = TASKS["hopper"]
-BODY = Composer(HOPPER, 0).body
+BODY = RewardSampler(HOPPER, 0).body
 HUMAN = Morphology(HOPPER.human)
 PLAIN = {"forward_speed": 2.0, "alive": 0.8, "effort": 0.05}
 TRIES = 40
@@ -25,7 +25,7 @@ def slot(index: int) -> Slot:
 
 
 def written(weights: Mapping[str, float]) -> Reward:
-    return Reward(Recipe(weights).source(BODY))
+    return Reward(RewardComposition(weights).source(BODY))
 
 
 def measured(
@@ -39,7 +39,7 @@ def measured(
     )
 
 
-def improved(best: Evaluation, history: list[Evaluation] | None = None) -> list[Recipe]:
+def improved(best: Evaluation, history: list[Evaluation] | None = None) -> list[RewardComposition]:
     """What many branches would try next."""
     designer = OfflineDesigner(HOPPER, 2)
     made = []
@@ -51,7 +51,7 @@ def improved(best: Evaluation, history: list[Evaluation] | None = None) -> list[
     return made
 
 
-def share(recipes: list[Recipe], name: str, above: float = 0.0) -> float:
+def share(recipes: list[RewardComposition], name: str, above: float = 0.0) -> float:
     return sum(recipe.weights.get(name, 0.0) > above for recipe in recipes) / len(recipes)
 
 
@@ -69,7 +69,7 @@ def test_a_robot_that_falls_gets_more_for_standing() -> None:
     falls = improved(measured(fell_share=1.0, forward_speed_m_s=1.0))
     stands = improved(measured(fell_share=0.0, forward_speed_m_s=1.0))
 
-    def steadier(recipes: list[Recipe]) -> float:
+    def steadier(recipes: list[RewardComposition]) -> float:
         names = ("upright", "lean", "riding_height")
         return share(recipes, "alive", 0.8) + sum(share(recipes, name) for name in names)
 

@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from robomore.designers.anatomy import anatomy
-from robomore.designers.skeleton import Skeleton
+from robomore.designers.offline.batched_kinematics import Skeleton
+from robomore.designers.offline.robot_semantics import anatomy
 from robomore.tasks.registry import TASKS
 from robomore.tasks.task import Task
 

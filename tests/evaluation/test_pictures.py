@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from robomore.evaluation.pictures import pictures
+from robomore.envs.vector_env import VectorEnv
+from robomore.rendering.snapshots import pictures
 from robomore.tasks import get_task
-from robomore.tasks.simulation import Simulations
 from robomore.training.policy import MLPPolicy
 from robomore.types import Design, Evaluation, Job, Morphology, Reward, Status, TrainerSettings
 
@@ -20,7 +20,7 @@ from robomore.types import Design, Evaluation, Job, Morphology, Reward, Status, 
 @pytest.mark.parametrize("name", ["swimmer", "ant"])
 def test_a_body_and_a_strip_of_frames(name: str, tmp_path: Path) -> None:
     task = get_task(name)
-    robot = Simulations(task, task.human, 1)
+    robot = VectorEnv(task, task.human, 1)
     shape = (robot.observation_size, robot.action_size)
     policy = MLPPolicy((np.zeros(shape, np.float32),), (np.full(shape[1], 0.5, np.float32),))
     (tmp_path / "key").mkdir()

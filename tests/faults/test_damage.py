@@ -18,7 +18,7 @@ from quick_run import SMOKE, command, environment
 from remains import champion, numbers, rows
 from told import Command, facts, measured, refused
 
-from robomore.cli.performer import Performer, find_performer
+from robomore.cli.trained_design import TrainedDesign, find_trained_design
 from robomore.errors import InputError
 from robomore.store import RunFolder
 
@@ -165,7 +165,7 @@ def damage(path: Path, choose: random.Random) -> str:
 def found(out: Path) -> tuple[Any, ...] | None:
     """Return what `play` would show, `None` where it refuses."""
     try:
-        performer: Performer = find_performer(out)
+        performer: TrainedDesign = find_trained_design(out)
     except InputError:
         return None
     arrays = (*performer.policy.weights, *performer.policy.biases)

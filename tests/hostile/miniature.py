@@ -18,9 +18,9 @@ import msgspec
 import numpy as np
 
 from robomore.errors import RewardFailed
-from robomore.sandbox.explain import explain
-from robomore.sandbox.load import load_reward
-from robomore.sandbox.remains import read_file
+from robomore.rewards.explain import explain
+from robomore.rewards.load import load_reward
+from robomore.sandbox.untrusted_files import read_file
 
 POLICY = "policy.json"
 CALLS = 60

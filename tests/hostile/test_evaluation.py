@@ -11,7 +11,7 @@ from world import World, world
 
 from robomore.evaluation import evaluate as module
 from robomore.evaluation.request import Request
-from robomore.sandbox.check import check_reward
+from robomore.rewards.check import check_reward
 from robomore.sandbox.contain import Contained, run_contained
 from robomore.sandbox.layers import strict_is_possible
 from robomore.tasks import get_task

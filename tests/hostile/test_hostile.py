@@ -10,7 +10,7 @@ from attempts import Attempt, attempts
 from miniature import BEST, Claims, measure
 from world import World, encode, world
 
-from robomore.sandbox.check import check_reward
+from robomore.rewards.check import check_reward
 from robomore.sandbox.contain import Contained, run_contained
 from robomore.sandbox.layers import strict_is_possible
 from robomore.types import Limits, Status

@@ -10,7 +10,7 @@ import numpy as np
 
 from robomore.evaluation import train as real
 from robomore.training.policy import MLPPolicy
-from robomore.training.trainer import Progress, VectorEnvironment
+from robomore.training.trainer import Progress, VectorEnvProtocol
 
 
 class Quick:
@@ -18,7 +18,7 @@ class Quick:
 
     def train(
         self,
-        environment: VectorEnvironment,
+        environment: VectorEnvProtocol,
         steps: int,
         seed: int,
         checkpoint: Path | None = None,

@@ -11,7 +11,7 @@ from loopback import KEY, serve
 from robomore.errors import InputError, ModelUnavailable
 from robomore.llm import Message, Request, Sampling, check, connect
 from robomore.llm.providers import COMPATIBLE_KEY
-from robomore.llm.retry import Patience
+from robomore.llm.retry import RetryPolicy
 from robomore.types import Slot
 
 pytest.importorskip("pydantic_ai")
@@ -31,7 +31,7 @@ FORMED = dataclasses.replace(PLAIN, schema=SCHEMA)
 
 def model_at(url: str, tries: int = 3, seconds: float = 20.0):
     """A model whose waits are noted, not slept."""
-    model = connect("toy", base_url=url, patience=Patience(tries=tries, seconds=seconds))
+    model = connect("toy", base_url=url, patience=RetryPolicy(tries=tries, seconds=seconds))
     waits: list[float] = []
     model._sleep = waits.append
     return model, waits

@@ -15,8 +15,8 @@ from scripted import ScriptedModel
 
 from robomore.errors import BudgetExhausted, InputError, ModelUnavailable
 from robomore.llm import (
+    BudgetedClient,
     Completion,
-    Correspondence,
     Exchange,
     MemoryLog,
     Message,
@@ -28,7 +28,7 @@ from robomore.llm import (
     exchange_key,
 )
 from robomore.llm.model import unasked
-from robomore.llm.retry import Passing, Patience, persist
+from robomore.llm.retry import RetryPolicy, TransientError, persist
 from robomore.llm.tokens import estimate_prompt, estimate_tokens
 from robomore.types import Slot
 
@@ -41,8 +41,8 @@ def request(text: str = "hello", slot: Slot = SLOT, repair: int = 0, **changes) 
 
 def test_the_same_request_is_paid_for_once() -> None:
     model, log = ScriptedModel(["one", "two"]), MemoryLog()
-    first = Correspondence(model, log).ask(request())
-    again = Correspondence(model, log).ask(request())  # a resumed run
+    first = BudgetedClient(model, log).ask(request())
+    again = BudgetedClient(model, log).ask(request())  # a resumed run
     assert first == again and first.reply == "one"
     assert len(model.asked) == 1 and log.spent() == Spending(1, 1100, 0.01, 0)
 
@@ -73,7 +73,7 @@ def test_what_does_not_change_an_exchange() -> None:
 
 def test_an_exchange_is_kept_before_anybody_reads_it_and_judged_later() -> None:
     log = MemoryLog()
-    correspondence = Correspondence(ScriptedModel(["one"]), log)
+    correspondence = BudgetedClient(ScriptedModel(["one"]), log)
     exchange = correspondence.ask(request())
     assert log.all()[0].findings is None
     correspondence.judge(exchange, ["too long"])
@@ -83,7 +83,7 @@ def test_an_exchange_is_kept_before_anybody_reads_it_and_judged_later() -> None:
 def test_an_exchange_survives_json_whatever_the_model_says() -> None:
     log = MemoryLog()
     said = "a\ud800b\x00\x1b[31m\u202e\U0001f916"
-    exchange = Correspondence(ScriptedModel([said]), log).ask(
+    exchange = BudgetedClient(ScriptedModel([said]), log).ask(
         Request(SLOT, 0, (Message("user", "look", (b"\x89PNG",)),))
     )
     assert "a?b" in exchange.reply
@@ -105,7 +105,7 @@ def test_a_budget_stops_and_survives_resume(
     log = MemoryLog()
     model = ScriptedModel(lambda asked: "fine")
     for _ in range(2):  # the second time is a resumed run
-        correspondence = Correspondence(model, log, budget)
+        correspondence = BudgetedClient(model, log, budget)
         with pytest.raises(BudgetExhausted, match=option):
             for number in range(10):
                 correspondence.ask(request(str(number)))
@@ -115,7 +115,7 @@ def test_a_budget_stops_and_survives_resume(
 
 def test_a_kept_exchange_is_free_even_when_the_budget_is_spent() -> None:
     model, log = ScriptedModel(["one"]), MemoryLog()
-    correspondence = Correspondence(model, log, ModelBudget(requests=1))
+    correspondence = BudgetedClient(model, log, ModelBudget(requests=1))
     assert correspondence.ask(request()) == correspondence.ask(request())
 
 
@@ -126,7 +126,7 @@ def test_requests_side_by_side_do_not_pass_the_budget() -> None:
         barrier.wait()
         return "fine"
 
-    correspondence = Correspondence(ScriptedModel(slow), MemoryLog(), ModelBudget(requests=3))
+    correspondence = BudgetedClient(ScriptedModel(slow), MemoryLog(), ModelBudget(requests=3))
     stopped = []
 
     def ask(number: int) -> None:
@@ -142,7 +142,7 @@ def test_requests_side_by_side_do_not_pass_the_budget() -> None:
 
 def test_a_cost_limit_without_a_price_is_refused() -> None:
     with pytest.raises(InputError, match="--price"):
-        Correspondence(ScriptedModel([], price=None), MemoryLog(), ModelBudget(cost=1.0))
+        BudgetedClient(ScriptedModel([], price=None), MemoryLog(), ModelBudget(cost=1.0))
 
 
 def test_a_failed_request_leaves_nothing_under_way() -> None:
@@ -152,7 +152,7 @@ def test_a_failed_request_leaves_nothing_under_way() -> None:
             raise ModelUnavailable("down")
 
     budget = ModelBudget(requests=3, tokens=estimate_prompt(request().messages))
-    correspondence = Correspondence(Down([]), MemoryLog(), budget)
+    correspondence = BudgetedClient(Down([]), MemoryLog(), budget)
     for _ in range(3):
         with pytest.raises(ModelUnavailable):
             correspondence.ask(request())
@@ -163,7 +163,7 @@ def test_a_failed_request_leaves_nothing_under_way() -> None:
 
 def recorded(*texts: str) -> MemoryLog:
     log = MemoryLog()
-    correspondence = Correspondence(ScriptedModel([f"to {text}" for text in texts]), log)
+    correspondence = BudgetedClient(ScriptedModel([f"to {text}" for text in texts]), log)
     for number, text in enumerate(texts):
         exchange = correspondence.ask(request(text, dataclasses.replace(SLOT, index=number)))
         correspondence.judge(exchange, [f"finding {number}"])
@@ -173,7 +173,7 @@ def recorded(*texts: str) -> MemoryLog:
 def test_a_replay_answers_the_same_and_costs_nothing() -> None:
     log = recorded("a", "b")
     own = MemoryLog()
-    replay = Correspondence(ReplayModel(log), own)
+    replay = BudgetedClient(ReplayModel(log), own)
     asked = request("b", dataclasses.replace(SLOT, index=1))
     answered = replay.ask(asked)
     original = log.all()[1]
@@ -212,10 +212,10 @@ def test_persistence_is_bounded_and_waits_longer_each_time() -> None:
     waits: list[float] = []
 
     def fails() -> None:
-        raise Passing("busy")
+        raise TransientError("busy")
 
     with pytest.raises(ModelUnavailable, match="tried 4 times"):
-        persist(fails, Patience(tries=4, first_wait=1, longest_wait=3), waits.append)
+        persist(fails, RetryPolicy(tries=4, first_wait=1, longest_wait=3), waits.append)
     assert len(waits) == 3
     assert 0.75 <= waits[0] <= 1.25 and 1.5 <= waits[1] <= 2.5 and 2.25 <= waits[2] <= 3.75
 

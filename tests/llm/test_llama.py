@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from llama import serve_llama
 
-from robomore.designers.history import HistorySettings
-from robomore.designers.llm import LLMDesigner, LLMSettings
-from robomore.llm import Correspondence, MemoryLog, Sampling, check, connect
+from robomore.designers.llm.designer import LLMDesigner, LLMSettings
+from robomore.designers.llm.history import HistorySettings
+from robomore.llm import BudgetedClient, MemoryLog, Sampling, check, connect
 from robomore.tasks import get_task
 from robomore.types import Design, Evaluation, Job, Slot, Status, TrainerSettings
 
@@ -25,7 +25,7 @@ def test_nonsense_designs_come_out_of_a_real_server(tmp_path: Path) -> None:
     )
     with serve_llama(tmp_path) as url:
         model = connect("random", base_url=url)
-        made = LLMDesigner(task, Correspondence(model, log), settings)
+        made = LLMDesigner(task, BudgetedClient(model, log), settings)
         bodies = []
         for i in range(3):
             bodies.append(made.propose_morphology(Slot("coarse", "morphology", 0, i), bodies))

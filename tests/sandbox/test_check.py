@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robomore.sandbox.check import LONGEST, Finding, check_reward
+from robomore.rewards.check import LONGEST, Finding, check_reward
 from robomore.tasks import TASKS
 
 GOOD = '''

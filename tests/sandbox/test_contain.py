@@ -222,10 +222,10 @@ _CRIPPLED = """
 import ctypes, errno, platform, sys
 from pathlib import Path
 from robomore.errors import InputError
-from robomore.sandbox import seccomp
+from robomore.sandbox.linux import seccomp
 from robomore.sandbox.contain import Containment, run_contained
 from robomore.sandbox.layers import ensure, layers
-from robomore.sandbox.seccomp import Instruction
+from robomore.sandbox.linux.seccomp import Instruction
 from robomore.types import Limits, Status
 
 refused = {refused}

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robomore.sandbox.remains import Suspicious, read_arrays, read_file
+from robomore.sandbox.untrusted_files import UntrustedFileError, read_arrays, read_file
 
 
 def test_plain_files_come_out(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(b"content")
     assert read_file(tmp_path / "a", 7) == b"content"
-    with pytest.raises(Suspicious, match="more than 6"):
+    with pytest.raises(UntrustedFileError, match="more than 6"):
         read_file(tmp_path / "a", 6)
 
 
@@ -34,7 +34,7 @@ def test_links_pipes_folders_and_nothing(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()
     for name in ("link", "second", "pipe", "folder", "missing"):
-        with pytest.raises(Suspicious):
+        with pytest.raises(UntrustedFileError):
             read_file(tmp_path / name, 1000)
 
 
@@ -52,7 +52,7 @@ def test_bombs_and_pickles(tmp_path: Path) -> None:
     text = tmp_path / "text.npz"
     text.write_text("no archive")
     for path in (bomb, pickled, huge, text):
-        with pytest.raises(Suspicious):
+        with pytest.raises(UntrustedFileError):
             read_arrays(path, 100_000)
 
 
@@ -66,6 +66,6 @@ def test_damage_is_suspicious_or_harmless(tmp_path: Path, seed: int) -> None:
     (tmp_path / "a.npz").write_bytes(content)
     try:
         arrays = read_arrays(tmp_path / "a.npz", 10_000)
-    except Suspicious:
+    except UntrustedFileError:
         return
     assert all(array.nbytes <= 10_000 for array in arrays.values())

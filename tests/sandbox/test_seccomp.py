@@ -6,8 +6,8 @@ import errno
 
 import pytest
 
-from robomore.sandbox.seccomp import Instruction, program
-from robomore.sandbox.syscalls import ALLOWED, CONDITIONAL
+from robomore.sandbox.linux.seccomp import Instruction, program
+from robomore.sandbox.linux.syscalls import ALLOWED, CONDITIONAL
 
 ALLOW, KILL = 0x7FFF0000, 0x80000000
 REFUSE, UNKNOWN = 0x50000 | errno.EPERM, 0x50000 | errno.ENOSYS

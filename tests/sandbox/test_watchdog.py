@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from robomore.sandbox.usage import Usage
-from robomore.sandbox.watchdog import Sight, Verdict, Watchdog
+from robomore.sandbox.linux.usage import Usage
+from robomore.sandbox.watchdog import Snapshot, Verdict, Watchdog
 from robomore.types import Limits, Status
 
 LIMITS = Limits(
@@ -17,7 +17,7 @@ LIMITS = Limits(
     memory_bytes=1000 * 2**20,
     file_bytes=10 * 2**20,
 )
-QUIET = Sight(
+QUIET = Snapshot(
     call=0,
     progress=None,
     printed=0,
@@ -31,7 +31,7 @@ def used(**changes: float) -> Usage:
     return replace(QUIET.usage, **changes)
 
 
-def after(seconds: float, *sights: Sight, tick: float = 0.5) -> Verdict | None:
+def after(seconds: float, *sights: Snapshot, tick: float = 0.5) -> Verdict | None:
     """Return the verdict on a child that shows `sights` in turn, each for `seconds`."""
     dog = Watchdog(LIMITS, cpu_seconds=200.0)
     for sight in sights:
@@ -97,7 +97,7 @@ def test_progress_backwards_is_none() -> None:
         (replace(QUIET, left_on_disk=None), Status.REWARD_FAILED),
     ],
 )
-def test_one_look_is_enough(sight: Sight, status: Status) -> None:
+def test_one_look_is_enough(sight: Snapshot, status: Status) -> None:
     verdict = Watchdog(LIMITS, cpu_seconds=200.0).look(0.1, sight)
     assert verdict is not None and verdict[0] is status
 

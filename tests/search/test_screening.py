@@ -16,7 +16,7 @@ from robomore.types import Design, Evaluation, Morphology, Reward, Slot, Trial, 
 from search.fakes import REFERENCE, CountingDesigner, Measuring, evaluation, numbers
 
 STEPS = 1000
-HALVING = Screening(rungs=(Rung(0.1, 0.5), Rung(0.5, 0.25)), hopeless=0.0)
+HALVING = Screening(rungs=(Rung(0.1, 0.5), Rung(0.5, 0.25)), prefilter_fraction=0.0)
 SETTINGS = SearchSettings(
     morphologies=4, rewards=2, survivors=0.25, max_cycles=0, screening=HALVING
 )
@@ -85,7 +85,7 @@ def test_it_is_said_who_was_cut_when_and_why() -> None:
 
 
 def test_hopeless_bodies_get_fewer_rewards_tried() -> None:
-    screening = replace(HALVING, hopeless=0.5, rewards_for_hopeless=1)
+    screening = replace(HALVING, prefilter_fraction=0.5, prefiltered_rewards=1)
     measuring = Partial()
     best, told = search(measuring, replace(SETTINGS, screening=screening))
     assert best == [80.0, 60.0]
@@ -106,7 +106,7 @@ def test_hopeless_bodies_get_the_first_reward_that_there_is() -> None:
             return super().propose_reward(slot, earlier)
 
     measuring = Partial()
-    screening = replace(HALVING, hopeless=0.5, rewards_for_hopeless=1)
+    screening = replace(HALVING, prefilter_fraction=0.5, prefiltered_rewards=1)
     settings = replace(SETTINGS, rewards=3, screening=screening)
     robomore(WithoutTheFirst(), measuring, settings, REFERENCE)
     _, tried, *_ = grid(measuring)
@@ -152,7 +152,7 @@ def test_a_screened_grid_of_failures_says_why() -> None:
         (Screening(rungs=(Rung(0.5, 0.0),)), r"kept in \(0, 1\]"),
         (Screening(rungs=(Rung(0.5, 0.5), Rung(0.5, 0.1))), "has to rise"),
         (Screening(rungs=(Rung(0.2, 0.1), Rung(0.5, 0.5))), "must not"),
-        (Screening(hopeless=1.0), r"hopeless = 1.0 has to be in \[0, 1\)"),
+        (Screening(prefilter_fraction=1.0), r"prefilter_fraction = 1.0 has to be in \[0, 1\)"),
     ],
 )
 def test_rungs_that_make_no_sense_are_refused(screening: Screening, said: str) -> None:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from robomore.envs.batched.reward import BatchedReward
+from robomore.envs.reward_runner import PerSimulationReward
+from robomore.envs.reward_text import reward_function
+from robomore.envs.vector_env import VectorEnv
 from robomore.tasks import get_task
-from robomore.tasks.batched.reward import BatchedReward
-from robomore.tasks.reward_runner import PerSimulationReward
-from robomore.tasks.reward_text import reward_function
-from robomore.tasks.simulation import Simulations
 
 HEADER = "import math\nfrom collections import deque\nimport numpy as np\n\n\n"
 SIGNATURE = "def _get_rew(self, x_velocity, action):\n"
@@ -22,11 +22,11 @@ def program(body: str, before: str = "") -> str:
 
 
 class BothWays:
-    """Simulations whose every step is rewarded twice, with some episodes that begin in between."""
+    """VectorEnv whose every step is rewarded twice, with some episodes that begin in between."""
 
     def __init__(self, task: str, n: int = 8) -> None:
         chosen = get_task(task)
-        self.batch = Simulations(chosen, chosen.human, n, auto_reset=False)
+        self.batch = VectorEnv(chosen, chosen.human, n, auto_reset=False)
         self.n = n
 
     def run(self, source: str, steps: int = 14, seed: int = 0) -> BatchedReward:

@@ -10,11 +10,11 @@ import mujoco
 import numpy as np
 from gymnasium.envs.mujoco import MujocoEnv
 
+from robomore.envs.reward_text import reward_function
+from robomore.envs.robots import RobotEnvironment, environment_class
+from robomore.envs.robots.base import RewardFunction
+from robomore.envs.vector_env import VectorEnv
 from robomore.tasks import get_task
-from robomore.tasks.environments import RobotEnvironment, environment_class
-from robomore.tasks.environments.base import RewardFunction
-from robomore.tasks.reward_text import reward_function
-from robomore.tasks.simulation import Simulations
 
 OFFICIAL = {
     "ant": "Ant-v5",
@@ -34,9 +34,9 @@ def ours(task: str, reward: RewardFunction | None = None, **options: Any) -> Rob
     return environment_class(chosen)(chosen, chosen.human, reward or reference(task), **options)
 
 
-def simulations(task: str, n: int = 2, reward: Any = None, **options: Any) -> Simulations:
+def simulations(task: str, n: int = 2, reward: Any = None, **options: Any) -> VectorEnv:
     chosen = get_task(task)
-    return Simulations(chosen, chosen.human, n, reward or reference(task), **options)
+    return VectorEnv(chosen, chosen.human, n, reward or reference(task), **options)
 
 
 def official(task: str, folder: Path | None = None) -> gymnasium.Env[Any, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from both_ways import BothWays, program
 
-from robomore.designers.rewards import Composer
+from robomore.designers.offline.reward_sampler import RewardSampler
 from robomore.errors import ProposalFailed
 from robomore.tasks import TASKS, get_task
 from robomore.types import Reward, Slot
@@ -119,7 +119,7 @@ def test_rewards_in_the_manner_of_language_models(habit: str, robots: dict[str, 
 
 
 def test_health_in_conditions(robots: dict[str, BothWays]) -> None:
-    """Simulations that have fallen are parted from the others."""
+    """VectorEnv that have fallen are parted from the others."""
     body = (
         "alive = 1.0 if self.is_healthy else -5.0\n"
         "bonus = self.healthy_reward * float(self.is_healthy)\n"
@@ -131,7 +131,7 @@ def test_health_in_conditions(robots: dict[str, BothWays]) -> None:
 
 @pytest.mark.parametrize("task", [*ROBOTS, "ant-jump"])
 def test_rewards_of_the_offline_designer(task: str, robots: dict[str, BothWays]) -> None:
-    composer = Composer(get_task(task), seed=0)
+    composer = RewardSampler(get_task(task), seed=0)
     earlier: list[Reward] = []
     ways: Counter[str] = Counter()
     for index in range(12):

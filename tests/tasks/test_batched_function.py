@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from both_ways import program
 
-from robomore.sandbox import pulse
-from robomore.tasks.batched.function import BatchedFunction, batched_function
-from robomore.tasks.batched.run import Refused, Run
-from robomore.tasks.batched.value import Batched
-from robomore.tasks.reward_text import reward_function
+from robomore.envs.batched.function import BatchedFunction, batched_function
+from robomore.envs.batched.run import Refused, Run
+from robomore.envs.batched.value import Batched
+from robomore.envs.reward_text import reward_function
+from robomore.sandbox import heartbeat as pulse
 
 
 def prepared(body: str, before: str = "") -> tuple[BatchedFunction, Run]:

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from both_ways import BothWays, assert_same_statistics, program
 
+from robomore.envs.batched import reward as batched_reward
+from robomore.envs.batched import trust as batched_trust
+from robomore.envs.reward_text import reward_function
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import RewardFailed
 from robomore.tasks import get_task
-from robomore.tasks.batched import reward as batched_reward
-from robomore.tasks.batched import trust as batched_trust
-from robomore.tasks.reward_text import reward_function
-from robomore.tasks.simulation import Simulations
 
 WHOLE = "the reward ran for the whole batch"
 
@@ -55,15 +55,15 @@ return np.sum(list(terms.values())), terms
 """
 
 
-def batch_of(body: str, task: str = "hopper", n: int = 8, **options: Any) -> Simulations:
+def batch_of(body: str, task: str = "hopper", n: int = 8, **options: Any) -> VectorEnv:
     chosen = get_task(task)
     reward = reward_function(program(body))
-    batch = Simulations(chosen, chosen.human, n, reward, **options)
+    batch = VectorEnv(chosen, chosen.human, n, reward, **options)
     batch.reset(0)
     return batch
 
 
-def drive(batch: Simulations, steps: int, seed: int = 0) -> list[Any]:
+def drive(batch: VectorEnv, steps: int, seed: int = 0) -> list[Any]:
     random = np.random.default_rng(seed)
     size = (batch.n, batch.action_size)
     return [batch.step(random.uniform(-1, 1, size)) for _ in range(steps)]
@@ -97,7 +97,7 @@ def test_the_reward_is_called_once_a_step(monkeypatch: pytest.MonkeyPatch) -> No
 
     reward.__globals__["COUNT"] = count
     task = get_task("swimmer")
-    batch = Simulations(task, task.human, 8, reward)
+    batch = VectorEnv(task, task.human, 8, reward)
     batch.reset(0)
     drive(batch, 20)
     assert calls[0] == 20 + 3 * 8

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robomore.tasks.batched import group as batched_group
-from robomore.tasks.batched import state as batched_state
-from robomore.tasks.batched.group import Group
-from robomore.tasks.batched.run import Refused, Run
-from robomore.tasks.batched.value import Batched
+from robomore.envs.batched import group as batched_group
+from robomore.envs.batched import state as batched_state
+from robomore.envs.batched.group import Group
+from robomore.envs.batched.run import Refused, Run
+from robomore.envs.batched.value import Batched
 
 RUN = Run()
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robomore.tasks.batched.names import StandIns
-from robomore.tasks.batched.run import Divided, Refused, Run
-from robomore.tasks.batched.value import Batched
+from robomore.envs.batched.names import StandIns
+from robomore.envs.batched.run import Divided, Refused, Run
+from robomore.envs.batched.value import Batched
 
 M = 5
 

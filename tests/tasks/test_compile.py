@@ -10,9 +10,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from robomore.envs import union
+from robomore.envs.compile import body_facts, compile_model
 from robomore.errors import InvalidMorphology
-from robomore.tasks import TASKS, Task, get_task, union
-from robomore.tasks.compile import body_facts, compile_model
+from robomore.tasks import TASKS, Task, get_task
 
 HUMAN = {  # mass in kg, density in kg/m^3, height of the torso in m
     "ant": (0.910880, 5, math.hypot(0.4, 0.4) + 0.15),

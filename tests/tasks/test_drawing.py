@@ -9,10 +9,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from robomore.envs.compile import compile_model
 from robomore.errors import InputError, InvalidMorphology
-from robomore.tasks import TASKS, get_task
-from robomore.tasks.compile import compile_model
-from robomore.tasks.drawing import (
+from robomore.rendering.drawing import (
     draw,
     elevation,
     ground_lines,
@@ -21,7 +20,8 @@ from robomore.tasks.drawing import (
     rest_pose,
     view_of,
 )
-from robomore.tasks.pictures import Frame, frame_around, image, save_picture, svg
+from robomore.rendering.pictures import Frame, frame_around, image, save_picture, svg
+from robomore.tasks import TASKS, get_task
 
 
 @pytest.mark.parametrize("name", TASKS)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from robots import OFFICIAL, copy_state, official, ours, simulations
 
+from robomore.envs.robots import environment_class
 from robomore.errors import InvalidMorphology
 from robomore.tasks import TASKS
-from robomore.tasks.environments import environment_class
 
 TOLERANCE = 1e-9
 

@@ -11,11 +11,11 @@ from bodies import at, random_body
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from robomore.envs.compile import body_facts, compile_model
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidMorphology, UnstableSimulation
 from robomore.tasks import TASKS, Task, get_task
-from robomore.tasks.compile import body_facts, compile_model
 from robomore.tasks.hopper import LOWEST_TORSO
-from robomore.tasks.simulation import Simulations
 from robomore.tasks.swimmer import least_radius
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -54,7 +54,7 @@ def test_a_thousand_steps_of_any_valid_body_are_finite_or_called_unstable(
 ) -> None:
     """As in training: episodes start over, and what diverges is told from what is measured."""
     task = get_task(id)
-    simulations = Simulations(task, random_body(task, seed), 2)
+    simulations = VectorEnv(task, random_body(task, seed), 2)
     random = np.random.default_rng(seed)
     try:
         seen = simulations.reset(seed % 2**31)

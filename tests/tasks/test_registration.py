@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+from robomore.envs.registration import ENVIRONMENTS, EPISODE_STEPS, register
 from robomore.errors import InvalidMorphology, InvalidReward
 from robomore.tasks import TASKS
-from robomore.tasks.registration import ENVIRONMENTS, EPISODE_STEPS, register
 
 
 def test_every_task_is_registered_once() -> None:
@@ -77,7 +77,7 @@ def test_mistakes_are_named() -> None:
 
 def test_importing_the_module_is_cheap_and_enough() -> None:
     code = (
-        "import sys, gymnasium, robomore.tasks.registration\n"
+        "import sys, gymnasium, robomore.envs.registration\n"
         "assert 'mujoco' not in sys.modules and 'jax' not in sys.modules\n"
         "gymnasium.make('robomore/Swimmer-v0')\n"
     )

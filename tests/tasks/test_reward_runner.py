@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 from robots import OFFICIAL, reference, simulations
 
+from robomore.envs import reward_state
+from robomore.envs.reward_text import reward_function
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import RewardFailed
-from robomore.tasks import get_task, reward_state
-from robomore.tasks.reward_text import reward_function
-from robomore.tasks.simulation import Simulations
+from robomore.tasks import get_task
 
 HEADER = "def _get_rew(self, x_velocity, action):\n"
 
 
-def run(body: str, task: str = "ant", steps: int = 1) -> Simulations:
-    """Simulations that have done some steps under a reward with this body."""
+def run(body: str, task: str = "ant", steps: int = 1) -> VectorEnv:
+    """VectorEnv that have done some steps under a reward with this body."""
     lines = "".join(f"    {line}\n" for line in body.strip().splitlines())
     batch = simulations(task, 2, reward_function(HEADER + lines))
     batch.reset(0)
@@ -247,7 +248,7 @@ def test_a_reward_keeps_state_per_simulation_until_the_episode_ends() -> None:
         + "    self.count = getattr(self, 'count', 0) + 1\n"
         + "    return float(self.count), {}\n"
     )
-    batch = Simulations(task, task.human, 2, counting)
+    batch = VectorEnv(task, task.human, 2, counting)
     batch.reset(0)
     expected = np.zeros(2)
     random = np.random.default_rng(0)

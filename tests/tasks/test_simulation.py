@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from robots import OFFICIAL, ours, reference, simulations
 
+from robomore.envs.reward_text import reward_function
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import RewardFailed, UnstableSimulation
 from robomore.tasks import TASKS, get_task
-from robomore.tasks.reward_text import reward_function
-from robomore.tasks.simulation import Simulations
 
 STATEFUL = """
 def _get_rew(self, x_velocity, action):
@@ -26,7 +26,7 @@ def _get_rew(self, x_velocity, action):
 """
 
 
-def drive(batch: Simulations, steps: int, seed: int) -> list[Any]:
+def drive(batch: VectorEnv, steps: int, seed: int) -> list[Any]:
     random = np.random.default_rng(seed)
     return [batch.step(random.uniform(-1, 1, (batch.n, batch.action_size))) for _ in range(steps)]
 
@@ -139,7 +139,7 @@ def test_positions_are_those_of_the_episode_that_ended() -> None:
 
 def test_without_a_reward_all_rewards_are_zero() -> None:
     task = get_task("swimmer")
-    bare = Simulations(task, task.human, 2)
+    bare = VectorEnv(task, task.human, 2)
     bare.reset(0)
     paid = simulations("swimmer", 2)
     paid.reset(0)
@@ -182,7 +182,7 @@ def test_continues_to_the_last_bit(task: str) -> None:
 
 def test_continues_in_the_same_object_without_a_reward() -> None:
     task = get_task("walker")
-    batch = Simulations(task, task.human, 2)
+    batch = VectorEnv(task, task.human, 2)
     batch.reset(0)
     drive(batch, 20, 0)
     state, observation = batch.state(), batch.observation.copy()

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from robomore.envs.robots import environment_class
+from robomore.envs.source import environment_source
 from robomore.tasks import TASKS
-from robomore.tasks.environments import environment_class
-from robomore.tasks.source import environment_source
 
 SHARED = {"healthy_reward = self.healthy_reward"}
 HELPERS = ("control_cost", "contact_cost", "healthy_reward")

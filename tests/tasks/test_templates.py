@@ -11,8 +11,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from robomore.envs.compile import compile_model
 from robomore.tasks import TASKS, Task, get_task
-from robomore.tasks.compile import compile_model
 from robomore.tasks.template import fill, names_used
 
 OFFICIAL = {

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robomore.tasks.term_record import TermRecord
+from robomore.envs.term_record import TermRecord
 
 N = 16
 

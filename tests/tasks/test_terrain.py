@@ -8,8 +8,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from robomore.tasks import Terrain, get_task, terrain
-from robomore.tasks.compile import body_facts, compile_model
+from robomore.envs import terrain
+from robomore.envs.compile import body_facts, compile_model
+from robomore.tasks import Terrain, get_task
 
 ROUGH = ("desert", "snow", "hills")
 

@@ -15,35 +15,35 @@ from robomore.types import TrainerSettings
 
 SETTINGS = CrossQSettings(
     simulations=4,
-    steps_per_round=16,
-    updates_per_round=8,
-    warm_up_steps=128,
+    train_freq=16,
+    gradient_steps=8,
+    learning_starts=128,
     batch_size=64,
     hidden=(32, 32),
     discount=0.9,
     # Next to no entropy in the values, so that they are the rewards' alone.
-    initial_entropy_weight=1e-4,
+    init_alpha=1e-4,
     # Small enough to be filled and overwritten.
-    replay_size=1_000,
-    average_share=0.1,
+    buffer_size=1_000,
+    policy_ema_fraction=0.1,
     # Values are asked for at actions that the policy alone would not try.
-    quiet_share=0.0,
+    deterministic_env_fraction=0.0,
 )
 
 SAC_SETTINGS = SACSettings(
     simulations=4,
-    steps_per_round=16,
-    updates_per_round=8,
-    warm_up_steps=128,
+    train_freq=16,
+    gradient_steps=8,
+    learning_starts=128,
     batch_size=64,
     hidden=(32, 32),
     discount=0.9,
-    initial_entropy_weight=1e-4,
-    replay_size=1_000,
+    init_alpha=1e-4,
+    buffer_size=1_000,
     # A probe has to be learnt in a few hundred gradient steps.
     rate=3e-3,
-    target_rate=0.05,
-    average_share=0.1,
+    tau=0.05,
+    policy_ema_fraction=0.1,
     snapshots=3,
 )
 
@@ -70,7 +70,7 @@ class Probe:
     action_size = 1
     # Not asked, as long as the settings have their own.
     discount = 0.5
-    quiet_share = 0.5
+    deterministic_env_fraction = 0.5
 
     def __init__(
         self,
@@ -134,7 +134,7 @@ class Cart:
     action_size = 1
     # Not asked, as long as the settings have their own.
     discount = 0.5
-    quiet_share = 0.5
+    deterministic_env_fraction = 0.5
     length = 50
 
     def reset(self, seed: int) -> NDArray[np.float64]:

@@ -86,9 +86,9 @@ def test_a_step_of_crossq_is_that_of_sbx(batch: dict[str, NDArray[np.float32]]) 
     settings = CrossQSettings(
         hidden=HIDDEN,
         batch_size=BATCH,
-        updates_per_round=1,
-        initial_entropy_weight=1e-40,
-        pessimism=1.0,
+        gradient_steps=1,
+        init_alpha=1e-40,
+        min_q_weight=1.0,
     )
     trainer = CrossQ(settings)
     learner, _ = trainer.begin(np.random.default_rng(0), OBSERVATIONS, ACTIONS)
@@ -122,7 +122,7 @@ def test_steps_of_sac_are_those_of_stable_baselines3(
     policy_kwargs = {"net_arch": list(HIDDEN)}
     model = sb3.SAC("MlpPolicy", Nothing(), policy_kwargs=policy_kwargs, gamma=DISCOUNT, seed=1)
     model.set_logger(Logger(folder=None, output_formats=[]))
-    settings = SACSettings(hidden=HIDDEN, batch_size=BATCH, updates_per_round=1)
+    settings = SACSettings(hidden=HIDDEN, batch_size=BATCH, gradient_steps=1)
     trainer = SAC(settings)
     learner, _ = trainer.begin(np.random.default_rng(0), OBSERVATIONS, ACTIONS)
     critics = np.stack([torch_flat(each) for each in model.critic.q_networks])

@@ -20,7 +20,7 @@ from robomore.training.sac import SAC
 from robomore.training.settings import make_trainer
 from robomore.training.trainer import Progress, Trainer
 
-FULL = SETTINGS.replay_size + 160
+FULL = SETTINGS.buffer_size + 160
 
 
 def reward(elapsed: NDArray[Any], bit: NDArray[Any], action: NDArray[Any]) -> NDArray[Any]:

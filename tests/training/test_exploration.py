@@ -31,7 +31,7 @@ class Recording(Probe):
 def test_the_quiet_ones_act_by_the_policy_itself_once_there_is_one(
     share: float | None, quiet: int
 ) -> None:
-    settings = replace(SETTINGS, quiet_share=share)
+    settings = replace(SETTINGS, deterministic_env_fraction=share)
     environment = Recording()
     run = Run(CrossQ(settings), settings, environment, seed=3)
     run.observation = environment.reset(3)
@@ -45,7 +45,7 @@ def test_the_quiet_ones_act_by_the_policy_itself_once_there_is_one(
     policy = deterministic(run.layers)
     environment.seen.clear()
     run.advance()
-    assert len(environment.seen) == settings.steps_per_round // environment.n
+    assert len(environment.seen) == settings.train_freq // environment.n
     for observation, actions in environment.seen:
         exact = np.isclose(actions, policy.act(observation), atol=1e-6)[:, 0]
         assert exact[:quiet].all()

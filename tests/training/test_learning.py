@@ -67,10 +67,10 @@ def trained(
     steps: int,
     seed: int = 1,
     entropy_weight: float = 1e-4,
-    average_share: float = 0.0,
+    policy_ema_fraction: float = 0.0,
 ) -> Run:
     # What the compiled step does not read is set past its settings: compiling takes long.
-    settings = replace(algorithm.settings, average_share=average_share)
+    settings = replace(algorithm.settings, policy_ema_fraction=policy_ema_fraction)
     run = Run(algorithm.make(algorithm.settings), settings, probe, seed)
     policy = run.learner.policy._replace(log_entropy_weight=np.log(np.float32(entropy_weight)))
     run.learner = run.learner._replace(policy=policy)
@@ -123,7 +123,7 @@ def test_the_policy_picks_what_is_rewarded(algorithm: Algorithm) -> None:
         return -np.square(action[:, 0] - np.where(bit, wanted[1], wanted[0]))
 
     policy = trained(
-        algorithm, Probe(reward), 6_000, entropy_weight=0.1, average_share=0.3
+        algorithm, Probe(reward), 6_000, entropy_weight=0.1, policy_ema_fraction=0.3
     ).policies()[-1]
     for bit, best in wanted.items():
         assert policy.act(np.array([[0.0, bit]])) == pytest.approx(best, abs=0.15)
@@ -158,6 +158,6 @@ def test_a_reward_too_large_for_its_numbers_is_said_so(algorithm: Algorithm) -> 
 
 def test_a_round_that_the_simulations_do_not_divide_is_refused(algorithm: Algorithm) -> None:
     with pytest.raises(InputError, match="divide"):
-        algorithm.make(replace(algorithm.settings, steps_per_round=10)).train(Cart(), 1_000, seed=1)
+        algorithm.make(replace(algorithm.settings, train_freq=10)).train(Cart(), 1_000, seed=1)
     with pytest.raises(InputError, match="at least one"):
         algorithm.make(algorithm.settings).train(Cart(), 10, seed=1)

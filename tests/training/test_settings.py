@@ -22,10 +22,10 @@ from robomore.types import TrainerSettings
 
 
 def test_options_override_fields() -> None:
-    options = {"hidden": [64, 64], "policy_rate": 1, "target_entropy": -2.5}
+    options = {"hidden": [64, 64], "actor_lr": 1, "target_entropy": -2.5}
     found = settings_from(TrainerSettings("crossq", options))
-    assert found == CrossQSettings(hidden=(64, 64), policy_rate=1.0, target_entropy=-2.5)
-    assert isinstance(found.policy_rate, float)
+    assert found == CrossQSettings(hidden=(64, 64), actor_lr=1.0, target_entropy=-2.5)
+    assert isinstance(found.actor_lr, float)
     assert hash(found) == hash(settings_from(TrainerSettings("crossq", options)))
 
 
@@ -38,9 +38,9 @@ def test_options_override_fields() -> None:
         ({"hidden": "256"}, "hidden"),
         ({"hidden": [256, -1]}, "hidden"),
         ({"discount": 1.0}, "discount"),
-        ({"critic_rate": float("nan")}, "critic_rate"),
-        ({"critic_rate": float("inf")}, "critic_rate"),
-        ({"critic_rate": "fast"}, "critic_rate"),
+        ({"critic_lr": float("nan")}, "critic_lr"),
+        ({"critic_lr": float("inf")}, "critic_lr"),
+        ({"critic_lr": "fast"}, "critic_lr"),
         ({"policy_delay": True}, "policy_delay"),
     ],
 )

@@ -16,8 +16,8 @@ from rich.table import Table
 from rich.text import Text
 
 from robomore.cli.output import console
-from robomore.cli.progress import Progress
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
+from robomore.monitor.progress import Progress
 from robomore.report.words import EFFICIENCY_UNIT, duration, number, place_name
 from robomore.types import Evaluation, Place
 

@@ -133,8 +133,8 @@ def language_model(options: ModelOptions) -> LanguageModel:
         InputError: an option is missing or makes no sense.
     """
     from robomore.designers import LanguageModel
-    from robomore.designers.history import HistorySettings
-    from robomore.designers.llm import LLMSettings
+    from robomore.designers.llm.designer import LLMSettings
+    from robomore.designers.llm.history import HistorySettings
     from robomore.llm import ModelBudget, Sampling, connect
 
     if not options.model:
@@ -163,7 +163,7 @@ def language_model(options: ModelOptions) -> LanguageModel:
 
 def forecast(task: Task, model: LanguageModel, search: SearchSettings) -> str:
     """Return one line on what a whole run will ask of a model."""
-    from robomore.designers.estimate import estimate
+    from robomore.designers.llm.estimate import estimate
 
     branches = max(1, math.floor(search.survivors * search.morphologies * search.rewards + 0.5))
     expected = estimate(
@@ -183,12 +183,14 @@ def check(*, model: ModelOptions | None = None) -> None:
     """Send two small requests: does the model answer, and can it keep to a form?"""
     from robomore.llm import check as ask
     from robomore.llm import connect
-    from robomore.llm.retry import Patience
+    from robomore.llm.retry import RetryPolicy
 
     model = model or ModelOptions()
     asked = language_model(model)
     found = ask(
-        connect(model.model, model.base_url, _price(model.price), Patience(tries=_TRIES_OF_CHECK)),
+        connect(
+            model.model, model.base_url, _price(model.price), RetryPolicy(tries=_TRIES_OF_CHECK)
+        ),
         asked.settings.sampling,
     )
     cost = "price unknown" if found.cost is None else f"${found.cost:.4f}"

@@ -38,18 +38,18 @@ def play(
     drawn
         Draw the video without OpenGL, even where OpenGL works.
     """
-    from robomore.cli.performer import find_performer
-    from robomore.cli.recording import record
-    from robomore.cli.video import default_path, refuse_format, write_video
+    from robomore.cli.trained_design import find_trained_design
+    from robomore.rendering.recording import record
+    from robomore.rendering.video import default_path, refuse_format, write_video
 
     positive(seconds=seconds)
     if out is not None:
         refuse_format(out)
-    performer = find_performer(design)
+    performer = find_trained_design(design)
     recording = record(performer, seed)
     said = f"{performer.title}: {recording.told}"
     if out is None and not drawn and _has_screen():
-        from robomore.cli.window import show_in_window
+        from robomore.rendering.window import show_in_window
 
         sys.stdout.write(f"{said}; close the window to end\n")
         sys.stdout.flush()

@@ -49,8 +49,8 @@ def prompt(
     as_json
         Print JSON: the messages, and the schema that a provider may enforce.
     """
-    from robomore.designers.history import HistorySettings
-    from robomore.designers.prompting import morphology_schema, render, render_prompt
+    from robomore.designers.llm.history import HistorySettings
+    from robomore.designers.llm.prompting import morphology_schema, render, render_prompt
     from robomore.tasks import get_task
 
     chosen = get_task(task)
@@ -107,7 +107,7 @@ def _seen(task: Task, path: Path) -> _Seen:
     Raises:
         InputError: it is no run of this task.
     """
-    from robomore.report.way import best_of, in_order
+    from robomore.report.lineage import best_of, in_order
     from robomore.store import Ledger, Manifest, RunFolder
     from robomore.types import finished
 

@@ -140,7 +140,7 @@ def run(
         )
 
     from robomore.cli.show import print_outcome
-    from robomore.report.contract import as_data
+    from robomore.report.json_export import as_data
     from robomore.report.summary import summarise
 
     summary = summarise(folder)

@@ -64,7 +64,7 @@ def check_reward(
     from dataclasses import asdict
 
     from robomore.errors import InputError
-    from robomore.sandbox.check import check_reward as findings_of
+    from robomore.rewards.check import check_reward as findings_of
     from robomore.tasks import get_task
 
     get_task(task)

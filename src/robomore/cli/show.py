@@ -29,7 +29,7 @@ def show(
     as_json
         Print JSON: everything with every digit, per seed too.
     """
-    from robomore.report.contract import as_data
+    from robomore.report.json_export import as_data
     from robomore.report.summary import summarise
 
     summary = summarise(run)

@@ -77,10 +77,10 @@ def inspect(
         sys.stdout.write(text.rstrip() + "\n")
         return
 
-    from robomore.tasks.compile import body_facts
-    from robomore.tasks.drawing import draw
-    from robomore.tasks.pictures import save_picture
-    from robomore.tasks.union import union_volume
+    from robomore.envs.compile import body_facts
+    from robomore.envs.union import union_volume
+    from robomore.rendering.drawing import draw
+    from robomore.rendering.pictures import save_picture
 
     facts = body_facts(chosen, values)
     union = union_volume(chosen, values)
@@ -172,8 +172,8 @@ def _print_picture(task: Task, values: tuple[float, ...]) -> None:
     from rich.style import Style
 
     from robomore.cli.output import console
-    from robomore.tasks.drawing import draw
-    from robomore.tasks.pictures import frame_around, image
+    from robomore.rendering.drawing import draw
+    from robomore.rendering.pictures import frame_around, image
 
     scene = draw(task, values)
     rgb = np.asarray(image(scene, frame_around(scene, _COLUMNS, _COLUMNS // 2), smooth=4))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robomore.designers.space import UnitSpace
+from robomore.designers.offline.space import UnitSpace
 from robomore.errors import InputError, ProposalFailed
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task

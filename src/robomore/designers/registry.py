@@ -13,7 +13,7 @@ from urllib.parse import urlsplit, urlunsplit
 import msgspec
 
 from robomore.designers.designer import Designer
-from robomore.designers.llm import LLMSettings
+from robomore.designers.llm.designer import LLMSettings
 from robomore.errors import InputError
 from robomore.llm import ChatModel, ModelBudget
 from robomore.tasks.task import Task
@@ -26,7 +26,7 @@ Factory = Callable[[Task, int, str], Designer]
 
 
 def _offline(task: Task, seed: int, objective: str) -> Designer:
-    from robomore.designers.offline import OfflineDesigner
+    from robomore.designers.offline.designer import OfflineDesigner
 
     return OfflineDesigner(task, seed, objective)
 

@@ -15,16 +15,16 @@ from pathlib import Path
 
 import msgspec
 
+from robomore.envs.compile import body_facts
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
 from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import choose, measure
 from robomore.evaluation.request import Request, believed
 from robomore.evaluation.train import POLICIES
-from robomore.sandbox.check import check_reward
+from robomore.rewards.check import check_reward
 from robomore.sandbox.contain import Containment, run_contained
 from robomore.tasks import Task, get_task
-from robomore.tasks.compile import body_facts
-from robomore.tasks.simulation import Simulations
 from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.policy import POLICY, MLPPolicy
 from robomore.training.warm import Shape
@@ -77,7 +77,7 @@ def _evaluate(
         return Evaluation(key, job, Status.INVALID_REWARD, said, body=body)
 
     containment = Containment(request.containment)
-    robot = Simulations(task, parameters, 1)
+    robot = VectorEnv(task, parameters, 1)
     shape = Shape(job.trainer, robot.observation_size, robot.action_size)
     compiled = compiled_trainer(shape, containment)
     trained = run_contained(

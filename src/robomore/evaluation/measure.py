@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import TrainingDiverged
 from robomore.identity import derive_seed
-from robomore.tasks.simulation import Simulations
 from robomore.tasks.task import Task
 from robomore.training.policy import MLPPolicy
 from robomore.training.rollout import rollout
@@ -71,7 +71,7 @@ def measure(
         TrainingDiverged: the policy does not fit the body (a child may have written anything).
         UnstableSimulation: the physics diverged over and over.
     """
-    simulations = Simulations(
+    simulations = VectorEnv(
         task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False
     )
     expected = simulations.observation_size, simulations.action_size

@@ -7,7 +7,7 @@ from itertools import islice
 
 import msgspec
 
-from robomore.sandbox.words import plain
+from robomore.sandbox.sanitize import plain
 from robomore.types import Job, TermStatistics
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import msgspec
 
+from robomore.envs.vector_env import VectorEnv
 from robomore.evaluation.request import Request, Training
-from robomore.sandbox.load import load_reward
+from robomore.rewards.load import load_reward
 from robomore.tasks import get_task
-from robomore.tasks.simulation import Simulations
 from robomore.training.settings import make_trainer, settings_from
 
 POLICIES = "policy-*.npz"
@@ -34,7 +34,7 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     request = msgspec.json.decode(payload, type=Request)
     job = request.job
     settings = settings_from(job.trainer)
-    environment = Simulations(
+    environment = VectorEnv(
         get_task(job.task),
         job.design.morphology.parameters,
         settings.simulations,

@@ -8,6 +8,6 @@ calls that only wait.
 from robomore.executors.executor import Done, Executor, Failed, Outcome
 from robomore.executors.inline import Inline
 from robomore.executors.processes import Processes
-from robomore.executors.threads import Threads
+from robomore.executors.thread_map import Threads
 
 __all__ = ["Done", "Executor", "Failed", "Inline", "Outcome", "Processes", "Threads"]

@@ -31,7 +31,7 @@ from pydantic_ai.settings import ModelSettings
 from robomore.errors import InputError
 from robomore.llm.faults import FAULTS, SchemaRefused, translate
 from robomore.llm.model import Completion, Message, Request, Sampling, unasked
-from robomore.llm.retry import Patience, persist
+from robomore.llm.retry import RetryPolicy, persist
 from robomore.llm.tokens import estimate_prompt, estimate_tokens
 
 _log = logging.getLogger(__name__)
@@ -51,7 +51,7 @@ class LibraryModel:
         name: str,
         model: Model,
         price: tuple[float, float] | None,
-        patience: Patience,
+        patience: RetryPolicy,
         sleep: Callable[[float], object] = time.sleep,
     ) -> None:
         """Wrap `model`. `price` is in US dollars per million tokens, in and out."""

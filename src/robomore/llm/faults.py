@@ -22,7 +22,7 @@ from pydantic_ai.exceptions import (
 )
 
 from robomore.errors import InputError
-from robomore.llm.retry import Passing
+from robomore.llm.retry import TransientError
 
 FAULTS = (ModelAPIError, UnexpectedModelBehavior, IndexError, KeyError, TypeError, ValueError)
 """What the library raises for a bad answer: its own errors, and plain ones for answers in a shape
@@ -46,10 +46,10 @@ def translate(error: Exception, name: str, url: str, structured: bool) -> Except
         structured: a JSON schema was sent along.
 
     Returns:
-        `Passing` for what may be gone next time, `SchemaRefused`, or an `InputError`.
+        `TransientError` for what may be gone next time, `SchemaRefused`, or an `InputError`.
     """
     if not isinstance(error, ModelAPIError):
-        return Passing(_unreadable(error, name, url))
+        return TransientError(_unreadable(error, name, url))
     if isinstance(error, ModelAuthenticationError):
         return InputError(
             f"{name}: the key was refused; check the key's environment variable (docs/llm.md)"
@@ -62,16 +62,20 @@ def translate(error: Exception, name: str, url: str, structured: bool) -> Except
             "model with a longer context"
         )
     if isinstance(error, ModelRateLimitError | ModelOverloadedError):
-        return Passing(f"{name} is busy: {_said(error)}", error.retry_after)
+        return TransientError(f"{name} is busy: {_said(error)}", error.retry_after)
     if isinstance(error, ModelRequestTimeout | ModelTimeoutError):
-        return Passing(f"{name} did not answer in time")
+        return TransientError(f"{name} did not answer in time")
     if isinstance(error, ModelConnectionError):
-        return Passing(f"no connection to {name} at {url}: {_said(error)}", error.retry_after)
+        return TransientError(
+            f"no connection to {name} at {url}: {_said(error)}", error.retry_after
+        )
     if not isinstance(error, ModelHTTPError):
-        return Passing(_unreadable(error, name, url))
+        return TransientError(_unreadable(error, name, url))
     status = error.status_code
     if status in _PASSING_STATUS or (status >= 500 and status != 501):
-        return Passing(f"{name} failed with HTTP {status}: {_said(error)}", error.retry_after)
+        return TransientError(
+            f"{name} failed with HTTP {status}: {_said(error)}", error.retry_after
+        )
     if structured and status in _SCHEMA_STATUS:
         return SchemaRefused(_said(error))
     if isinstance(error, ModelNotFoundError):

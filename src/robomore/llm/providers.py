@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from robomore.errors import InputError
-from robomore.llm.retry import Patience
+from robomore.llm.retry import RetryPolicy
 
 if TYPE_CHECKING:
     from robomore.llm.client import LibraryModel
@@ -25,7 +25,7 @@ def connect(
     model: str,
     base_url: str | None = None,
     price: tuple[float, float] | None = None,
-    patience: Patience | None = None,
+    patience: RetryPolicy | None = None,
 ) -> LibraryModel:
     """Return a model by name; nothing is sent yet.
 
@@ -51,7 +51,7 @@ def connect(
         raise InputError(_missing(error)) from None
     if price is None and _is_local(base_url or (_ollama() if model.startswith("ollama:") else "")):
         price = (0.0, 0.0)
-    return LibraryModel(name, library, price, patience or Patience())
+    return LibraryModel(name, library, price, patience or RetryPolicy())
 
 
 def _compatible(model: str, base_url: str) -> Any:

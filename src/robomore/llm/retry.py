@@ -16,7 +16,7 @@ _log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 
-class Passing(Exception):
+class TransientError(Exception):
     """A fault that may be gone next time.
 
     Attributes:
@@ -31,7 +31,7 @@ class Passing(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Patience:
+class RetryPolicy:
     """How often and how long to try.
 
     Attributes:
@@ -56,17 +56,17 @@ class Patience:
 
 
 def persist(
-    attempt: Callable[[], T], patience: Patience, sleep: Callable[[float], object] = time.sleep
+    attempt: Callable[[], T], patience: RetryPolicy, sleep: Callable[[float], object] = time.sleep
 ) -> T:
-    """Return what `attempt` gives, trying again after a `Passing` fault.
+    """Return what `attempt` gives, trying again after a `TransientError` fault.
 
     Raises:
-        ModelUnavailable: every try met a `Passing` fault, or the provider asks for too long a wait.
+        ModelUnavailable: every try met a passing fault, or the provider asks for too long a wait.
     """
     for tried in range(1, patience.tries + 1):
         try:
             return attempt()
-        except Passing as fault:
+        except TransientError as fault:
             if fault.wait is not None and fault.wait > patience.longest_asked:
                 raise ModelUnavailable(
                     f"{fault.reason}, and asks to wait {fault.wait:.0f} s; everything so far is "

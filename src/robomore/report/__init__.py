@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from robomore.report.contract import as_data
+from robomore.report.json_export import as_data
 from robomore.report.page import write_report
 from robomore.report.summary import Summary, summarise
 

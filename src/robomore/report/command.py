@@ -8,7 +8,7 @@ import shlex
 from dataclasses import replace
 from typing import Any
 
-from robomore.designers.llm import LLMSettings
+from robomore.designers.llm.designer import LLMSettings
 from robomore.settings import PRESETS, SCREENINGS, RunSettings, with_trainer
 from robomore.store import Manifest
 

@@ -10,8 +10,8 @@ from markupsafe import Markup
 
 from robomore.errors import InputError, InvalidMorphology
 from robomore.report.command import command_line
-from robomore.report.contest import parameter_rows, seed_dots
-from robomore.report.contestants import Contestant
+from robomore.report.comparison_plot import parameter_rows, seed_dots
+from robomore.report.finalists import Contestant
 from robomore.report.heatmap import heatmap
 from robomore.report.plots import best_so_far, fitness_over_volume
 from robomore.report.source import highlighted
@@ -87,8 +87,8 @@ def render(summary: Summary) -> str:
 def _bodies(summary: Summary) -> dict[str, Markup]:
     """Return the drawn champion and human body, at one scale."""
     # Drawing needs the simulator; reading a run without drawing it does not.
-    from robomore.tasks.drawing import draw
-    from robomore.tasks.pictures import frame_around, svg
+    from robomore.rendering.drawing import draw
+    from robomore.rendering.pictures import frame_around, svg
 
     shown: dict[str, Contestant | None] = {"champion": summary.champion, "human": summary.human}
     parameters = {

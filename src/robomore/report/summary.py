@@ -10,11 +10,11 @@ from pathlib import Path
 
 from robomore.errors import RunFolderError
 from robomore.llm import Spending
-from robomore.report.cautions import cautions
-from robomore.report.contestants import Contestant, contestant, finalists, measured_in_final
 from robomore.report.empty import EmptySlot, empty_slots, pairs_without
+from robomore.report.finalists import Contestant, contestant, finalists, measured_in_final
+from robomore.report.lineage import Step, best_of, in_order, way
 from robomore.report.metrics import Spread, ratio
-from robomore.report.way import Step, best_of, in_order, way
+from robomore.report.warnings import cautions
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import Task, get_task
 from robomore.types import Evaluation, Place, Status

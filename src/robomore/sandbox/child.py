@@ -26,8 +26,8 @@ from robomore.errors import (
     TrainingDiverged,
     UnstableSimulation,
 )
-from robomore.sandbox import pulse
-from robomore.sandbox.explain import explain, reward_line
+from robomore.rewards.explain import explain, reward_line
+from robomore.sandbox import heartbeat as pulse
 from robomore.sandbox.lock import CannotLock, Lock, lock
 from robomore.sandbox.wire import MAX_BODY, Kind, pack_number, send
 from robomore.types import Status

@@ -13,10 +13,10 @@ from enum import StrEnum
 from pathlib import Path
 
 from robomore.errors import InputError
-from robomore.sandbox import pulse
-from robomore.sandbox.follow import Follower
+from robomore.sandbox import heartbeat as pulse
 from robomore.sandbox.lock import Layer, Lock
 from robomore.sandbox.process import Child
+from robomore.sandbox.supervisor import Follower
 from robomore.types import Limits, Status
 
 

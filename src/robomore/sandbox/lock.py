@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from robomore.sandbox import landlock, seccomp
+from robomore.sandbox.linux import landlock, seccomp
 
 REQUIRED = ("files", "system calls")
 """Layers without which a strict child does not start."""

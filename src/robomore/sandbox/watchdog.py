@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
-from robomore.sandbox.usage import Usage
+from robomore.sandbox.linux.usage import Usage
 from robomore.types import Limits, Status
 
 Verdict = tuple[Status, str]
@@ -24,7 +24,7 @@ _PRINTED_MOST = 64 * 2**20
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class Snapshot:
     """What the parent sees of the child at one look.
 
     Attributes:
@@ -57,7 +57,7 @@ class Watchdog:
         self._called = 0.0
         self._cpu_before = 0.0
 
-    def look(self, seconds: float, sight: Sight) -> Verdict | None:
+    def look(self, seconds: float, sight: Snapshot) -> Verdict | None:
         """Return why the child must end now, or `None`.
 
         Args:
@@ -80,7 +80,7 @@ class Watchdog:
             return Status.TIMED_OUT, f"not finished after its {limit:g} s of wall-clock time"
         return None
 
-    def _call(self, seconds: float, sight: Sight) -> Verdict | None:
+    def _call(self, seconds: float, sight: Snapshot) -> Verdict | None:
         cpu = sight.usage.cpu if sight.usage else 0.0
         if not sight.call or sight.call != self._call_number:
             self._call_number, self._called, self._cpu_before = sight.call, 0.0, cpu
@@ -92,7 +92,7 @@ class Watchdog:
             return Status.TIMED_OUT, f"one call of the reward did not return within {limit:g} s"
         return None
 
-    def _stall(self, seconds: float, sight: Sight) -> Verdict | None:
+    def _stall(self, seconds: float, sight: Snapshot) -> Verdict | None:
         if sight.progress is not None and (self._best is None or sight.progress > self._best):
             self._best, self._stalled = sight.progress, 0.0
             return None
@@ -102,7 +102,7 @@ class Watchdog:
             return Status.TIMED_OUT, f"made no progress for {limit:g} s"
         return None
 
-    def _usage(self, sight: Sight) -> Verdict | None:
+    def _usage(self, sight: Snapshot) -> Verdict | None:
         if sight.usage is None:
             return None
         if sight.usage.memory > self._limits.memory_bytes:
@@ -114,7 +114,7 @@ class Watchdog:
             return Status.REWARD_FAILED, f"the reward started more than {MOST_THREADS} threads"
         return None
 
-    def _output(self, sight: Sight) -> Verdict | None:
+    def _output(self, sight: Snapshot) -> Verdict | None:
         if sight.printed > _PRINTED_MOST:
             return (
                 Status.REWARD_FAILED,

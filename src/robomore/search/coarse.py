@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from robomore.designers.designer import Designer
 from robomore.search.measure import MeasureGrid
-from robomore.search.propose import Together, diverse, filled, in_turn, independent
+from robomore.search.propose import MapFn, diverse, filled, independent, sequential_map
 from robomore.types import Design, Evaluation, Place, Slot, Trial
 
 T = TypeVar("T")
@@ -19,7 +19,7 @@ def coarse(
     measure: MeasureGrid,
     morphologies: int,
     rewards: int,
-    together: Together = in_turn,
+    together: MapFn = sequential_map,
 ) -> list[Evaluation]:
     """Return the evaluations of the pairs, row by row (paper, Alg. 1, first half).
 

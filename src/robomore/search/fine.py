@@ -9,7 +9,7 @@ from functools import partial
 from robomore.designers.designer import Designer
 from robomore.errors import ProposalFailed
 from robomore.search.measure import Evaluate, improves
-from robomore.search.propose import Together, in_turn, independent
+from robomore.search.propose import MapFn, independent, sequential_map
 from robomore.types import Design, Evaluation, Place, Slot, Trial
 
 
@@ -30,7 +30,7 @@ def fine(
     grid: Sequence[Evaluation],
     objective: str,
     max_cycles: int,
-    together: Together = in_turn,
+    together: MapFn = sequential_map,
 ) -> list[Evaluation]:
     """Return each survivor's best after refinement, in the survivors' order (paper, Alg. 1).
 

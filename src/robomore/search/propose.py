@@ -12,7 +12,7 @@ from robomore.types import Slot
 T = TypeVar("T")
 
 
-class Together(Protocol):
+class MapFn(Protocol):
     """Makes calls that do not depend on each other, in turn or side by side."""
 
     def __call__(self, calls: Sequence[Callable[[], T]], /) -> list[T]:
@@ -20,12 +20,12 @@ class Together(Protocol):
         ...
 
 
-def in_turn(calls: Sequence[Callable[[], T]], /) -> list[T]:
+def sequential_map(calls: Sequence[Callable[[], T]], /) -> list[T]:
     """Make one call after the other."""
     return [call() for call in calls]
 
 
-def independent(asks: Sequence[Callable[[], T]], together: Together) -> list[T | ProposalFailed]:
+def independent(asks: Sequence[Callable[[], T]], together: MapFn) -> list[T | ProposalFailed]:
     """Return one proposal for each of `asks`, in order, or why the designer has none."""
     return together([partial(_or_why_not, ask) for ask in asks])
 

@@ -9,7 +9,7 @@ from robomore.events import Observer, ignore
 from robomore.search.coarse import coarse
 from robomore.search.fine import fine
 from robomore.search.measure import Evaluate, MeasureGrid, ranked, top
-from robomore.search.propose import Together, in_turn
+from robomore.search.propose import MapFn, sequential_map
 from robomore.search.screening import screened
 from robomore.settings import SearchSettings
 from robomore.types import Evaluation, Reward, finished
@@ -21,7 +21,7 @@ def robomore(
     settings: SearchSettings,
     reference: Reward,
     observe: Observer = ignore,
-    together: Together = in_turn,
+    together: MapFn = sequential_map,
 ) -> list[Evaluation]:
     """Return the refined designs, best first; the paper's answer is the first of them.
 

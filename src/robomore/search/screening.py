@@ -44,7 +44,7 @@ def screened(
     """
     check(screening)
     racing = list(trials)
-    if screening.hopeless > 0 and racing:
+    if screening.prefilter_fraction > 0 and racing:
         racing = _without_hopeless(evaluate, racing, screening, reference, objective, observe)
     latest: dict[Place, Evaluation] = {}
     for rung in screening.rungs:
@@ -71,10 +71,10 @@ def check(screening: Screening) -> None:
                 f"{second} comes after {first}: the share of training has to rise from rung to "
                 "rung, and the share that is kept must not"
             )
-    if not 0 <= screening.hopeless < 1 or screening.rewards_for_hopeless < 0:
+    if not 0 <= screening.prefilter_fraction < 1 or screening.prefiltered_rewards < 0:
         raise InputError(
-            f"hopeless = {screening.hopeless} has to be in [0, 1), rewards_for_hopeless = "
-            f"{screening.rewards_for_hopeless} at least 0"
+            f"prefilter_fraction = {screening.prefilter_fraction} has to be in [0, 1), prefiltered_rewards = "
+            f"{screening.prefiltered_rewards} at least 0"
         )
 
 
@@ -125,9 +125,9 @@ def _without_hopeless(
     rows = {e.key: row for row, e in zip(bodies, first_look, strict=True)}
     order = [rows[e.key] for e in ranked(first_look, objective)]
     standing = {row: number for number, row in enumerate(order, start=1)}
-    promising = set(order[: max(1, math.ceil((1 - screening.hopeless) * len(bodies)))])
+    promising = set(order[: max(1, math.ceil((1 - screening.prefilter_fraction) * len(bodies)))])
     # The first ones proposed; a column can be empty.
-    first = sorted({trial.place.reward for trial in trials})[: screening.rewards_for_hopeless]
+    first = sorted({trial.place.reward for trial in trials})[: screening.prefiltered_rewards]
     going_on = []
     for trial in trials:
         row = trial.place.morphology

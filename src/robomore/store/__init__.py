@@ -8,7 +8,14 @@ what was said to a language model.
 from robomore.store.exchanges import LedgerExchanges
 from robomore.store.ledger import Ledger
 from robomore.store.manifest import Manifest, package_versions
+from robomore.store.recovery import open_or_recover
 from robomore.store.rundir import RunFolder
-from robomore.store.salvage import whole_ledger
 
-__all__ = ["Ledger", "LedgerExchanges", "Manifest", "RunFolder", "package_versions", "whole_ledger"]
+__all__ = [
+    "Ledger",
+    "LedgerExchanges",
+    "Manifest",
+    "RunFolder",
+    "open_or_recover",
+    "package_versions",
+]

@@ -3,7 +3,7 @@
 A task is one frozen value in one file: its description in words, the MJCF template of its robot,
 the parameters that fill the template, the rules between them, the solids that make up its volume,
 the reference reward and the environment. Reading a task, checking parameters and computing a volume
-need no simulator; `robomore.tasks.compile` turns parameters into a MuJoCo model.
+need no simulator; `robomore.envs.compile` turns parameters into a MuJoCo model.
 """
 
 from __future__ import annotations

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from robomore.envs.terrain import DESERT, on_terrain
 from robomore.tasks.geometry import Capsule, Shape, Sphere
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
-from robomore.tasks.terrain import DESERT, on_terrain
 
 START_CLEARANCE = 0.15
 """The torso starts this much higher than a leg's last segment is long, in m (see template)."""
@@ -167,12 +167,12 @@ ANT = Task(
     ),
     shapes=_shapes,
     reward=ANT_REWARD,
-    environment="robomore.tasks.environments.ant:AntEnvironment",
+    environment="robomore.envs.robots.ant:AntEnvironment",
     options=lambda values: {"healthy_z_range": (LOWEST_TORSO, HIGHEST_TORSO)},
     constants={"gear": 150.0},
     # With less of either, most trainings settle for creeping (docs/trainer.md).
     discount=0.995,
-    quiet_share=0.5,
+    deterministic_env_fraction=0.5,
 )
 
 ANT_POWERED = replace(

@@ -153,7 +153,7 @@ HALF_CHEETAH = Task(
     ),
     shapes=_shapes,
     reward=SPEED_REWARD,
-    environment="robomore.tasks.environments.half_cheetah:HalfCheetahEnvironment",
+    environment="robomore.envs.robots.half_cheetah:HalfCheetahEnvironment",
     constants={"pi": math.pi},
-    quiet_share=0.5,
+    deterministic_env_fraction=0.5,
 )

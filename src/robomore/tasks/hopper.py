@@ -187,6 +187,6 @@ HOPPER = Task(
     ),
     shapes=_shapes_of(legs=1),
     reward=REWARD,
-    environment="robomore.tasks.environments.hopper:HopperEnvironment",
+    environment="robomore.envs.robots.hopper:HopperEnvironment",
     options=lambda values: {**health(values), "healthy_state_range": (-100.0, 100.0)},
 )

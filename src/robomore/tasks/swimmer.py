@@ -92,8 +92,8 @@ SWIMMER = Task(
     ),
     shapes=_shapes,
     reward=SPEED_REWARD,
-    environment="robomore.tasks.environments.swimmer:SwimmerEnvironment",
+    environment="robomore.envs.robots.swimmer:SwimmerEnvironment",
     # A stroke takes seconds to pay: with 0.99 a policy settles for a quarter of the way.
     discount=0.999,
-    quiet_share=0.5,
+    deterministic_env_fraction=0.5,
 )

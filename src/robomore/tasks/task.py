@@ -102,7 +102,7 @@ class Task:
         episode_steps: control steps of a full episode.
         discount: what a reward one control step later is worth in training, unless the trainer is
             told otherwise. A stroke that pays seconds later needs more than the usual 0.99.
-        quiet_share: share of the simulations that act without noise in training, unless the trainer
+        deterministic_env_fraction: share of the simulations that act without noise in training, unless the trainer
             is told otherwise. Whether it helps is a matter of the robot (docs/trainer.md).
     """
 
@@ -121,7 +121,7 @@ class Task:
     terrain: Terrain | None = None
     episode_steps: int = 1000
     discount: float = 0.99
-    quiet_share: float = 0.0
+    deterministic_env_fraction: float = 0.0
     version: int = 1
 
     @property

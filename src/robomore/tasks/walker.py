@@ -22,6 +22,6 @@ WALKER = Task(
     rules=hopper.STANDING_RULES,
     shapes=lambda values: hopper.shapes(values, legs=2),
     reward=hopper.REWARD,
-    environment="robomore.tasks.environments.walker:WalkerEnvironment",
+    environment="robomore.envs.robots.walker:WalkerEnvironment",
     options=hopper.health,
 )

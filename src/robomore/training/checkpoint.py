@@ -31,7 +31,7 @@ class Checkpoint:
     Attributes:
         facts: JSON values.
         arrays: of the trainer, by name.
-        environment: what `VectorEnvironment.state` returned.
+        environment: what `VectorEnvProtocol.state` returned.
     """
 
     facts: dict[str, Any]

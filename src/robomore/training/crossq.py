@@ -25,7 +25,7 @@ from robomore.training.optimiser import Adam, adam_step, initial_adam
 from robomore.training.policy import MLPPolicy
 from robomore.training.settings import CrossQSettings
 from robomore.training.threads import use_one_thread
-from robomore.training.trainer import Progress, VectorEnvironment
+from robomore.training.trainer import Progress, VectorEnvProtocol
 
 
 class Policy(NamedTuple):
@@ -63,14 +63,14 @@ class CrossQ:
 
     def prepare(self, observation_size: int, action_size: int) -> None:
         """Compile for a robot; see `Trainer.prepare`."""
-        updates, batch = self.settings.updates_per_round, self.settings.batch_size
+        updates, batch = self.settings.gradient_steps, self.settings.batch_size
         learner, _ = self.begin(np.random.default_rng(0), observation_size, action_size)
         rows = np.zeros((updates, batch, 2 * observation_size + action_size + 2), np.float32)
         self.learn(learner, rows, np.zeros((updates, 2, batch, action_size), np.float32), done=0)
 
     def train(
         self,
-        environment: VectorEnvironment,
+        environment: VectorEnvProtocol,
         steps: int,
         seed: int,
         checkpoint: Path | None = None,
@@ -90,7 +90,7 @@ class CrossQ:
             [networks.initial_parameters(random, sizes.critic) for _ in range(settings.critics)]
         )
         critic_moments = np.stack([networks.initial_moments(sizes.critic)] * settings.critics)
-        log_weight = np.log(np.float32(settings.initial_entropy_weight))
+        log_weight = np.log(np.float32(settings.init_alpha))
         # NumPy's arrays become JAX's in the first round.
         learner: Any = (
             (
@@ -112,7 +112,7 @@ class CrossQ:
     ) -> tuple[Learner, loop.Layers, dict[str, float]]:
         """Do one round of gradient steps in one compiled call; see `loop.Learning`."""
         numbers = np.arange(done, done + len(rows), dtype=np.int32)
-        do_round = _compiled(self.settings, done >= self.settings.renorm_after)
+        do_round = _compiled(self.settings, done >= self.settings.renorm_warmup_steps)
         learner, folded, losses = do_round(learner, rows, noise, numbers)
         layers = [(np.asarray(weight), np.asarray(bias)) for weight, bias in folded]
         return learner, layers, {name: float(value) for name, value in losses.items()}
@@ -192,7 +192,7 @@ def _learn_critics(
     def loss(layers: list[Layer]) -> tuple[jax.Array, list[Moments]]:
         values, seen = in_training(layers, running, inputs)
         value, next_value = jnp.split(values[..., 0], 2, axis=1)
-        future = batch.future * (_believed(settings, next_value) + entropy_bonus)
+        future = batch.future * (aggregate_q(settings, next_value) + entropy_bonus)
         target = jax.lax.stop_gradient(batch.reward + future)
         return 0.5 * jnp.square(value - target).mean(axis=1).sum(), seen
 
@@ -202,7 +202,7 @@ def _learn_critics(
         critics.adam,
         critics.parameters,
         jax.vmap(networks.flatten)(gradients),
-        settings.critic_rate,
+        settings.critic_lr,
         (settings.beta1, settings.beta2),
     )
     moments = _track(settings, critics.moments, jax.vmap(networks.flatten)(seen))
@@ -230,13 +230,13 @@ def _learn_policy(
         heads, seen = networks.apply_in_training(layers, running, observation, renormalise)
         action, density = sample(heads, noise)
         inputs = _for_each_critic(settings, jnp.concatenate([observation, action], axis=1))
-        values = _believed(settings, jax.vmap(networks.apply)(judges, inputs)[..., 0])
+        values = aggregate_q(settings, jax.vmap(networks.apply)(judges, inputs)[..., 0])
         return (entropy_weight * density - values).mean(), (-density.mean(), seen)
 
     layers = networks.layers(policy.parameters, sizes.policy)
     gradients, (entropy, seen) = jax.grad(loss, has_aux=True)(layers)
     parameters, adam = adam_step(
-        policy.adam, policy.parameters, networks.flatten(gradients), settings.policy_rate, decay
+        policy.adam, policy.parameters, networks.flatten(gradients), settings.actor_lr, decay
     )
     # The weight rises while the entropy is under its target, and falls while it is above.
     wanted = -noise.shape[-1] if settings.target_entropy is None else settings.target_entropy
@@ -244,17 +244,17 @@ def _learn_policy(
         policy.entropy_adam,
         policy.log_entropy_weight,
         entropy - wanted,
-        settings.entropy_rate,
+        settings.alpha_lr,
         decay,
     )
     moments = _track(settings, policy.moments, networks.flatten(seen))
     return Policy(parameters, moments, adam, log_entropy_weight, entropy_adam)
 
 
-def _believed(settings: CrossQSettings, values: jax.Array) -> jax.Array:
+def aggregate_q(settings: CrossQSettings, values: jax.Array) -> jax.Array:
     """Return what is believed of what each critic says, (critics, batch)."""
     mean = values.mean(axis=0)
-    return mean - settings.pessimism * (mean - values.min(axis=0))
+    return mean - settings.min_q_weight * (mean - values.min(axis=0))
 
 
 def _fold_policy(policy: Policy, sizes: _Sizes) -> Folded:
@@ -278,4 +278,4 @@ def _for_each_critic(settings: CrossQSettings, inputs: jax.Array) -> jax.Array:
 
 
 def _track(settings: CrossQSettings, moments: jax.Array, seen: jax.Array) -> jax.Array:
-    return settings.norm_momentum * moments + (1 - settings.norm_momentum) * seen
+    return settings.batch_norm_momentum * moments + (1 - settings.batch_norm_momentum) * seen

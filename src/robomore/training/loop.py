@@ -24,7 +24,7 @@ from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_check
 from robomore.training.gaussian import explore
 from robomore.training.policy import MLPPolicy
 from robomore.training.replay import Replay
-from robomore.training.trainer import PROGRESS_SECONDS, Progress, VectorEnvironment, whole_rounds
+from robomore.training.trainer import PROGRESS_SECONDS, Progress, VectorEnvProtocol, whole_rounds
 
 log = logging.getLogger(__name__)
 
@@ -41,13 +41,13 @@ class LoopSettings(Protocol):
     """What the loop reads of an algorithm's settings (`robomore.training.settings`)."""
 
     @property
-    def steps_per_round(self) -> int: ...
+    def train_freq(self) -> int: ...
     @property
-    def updates_per_round(self) -> int: ...
+    def gradient_steps(self) -> int: ...
     @property
-    def warm_up_steps(self) -> int: ...
+    def learning_starts(self) -> int: ...
     @property
-    def replay_size(self) -> int: ...
+    def buffer_size(self) -> int: ...
     @property
     def batch_size(self) -> int: ...
     @property
@@ -55,9 +55,9 @@ class LoopSettings(Protocol):
     @property
     def n_step(self) -> int: ...
     @property
-    def quiet_share(self) -> float | None: ...
+    def deterministic_env_fraction(self) -> float | None: ...
     @property
-    def average_share(self) -> float: ...
+    def policy_ema_fraction(self) -> float: ...
     @property
     def snapshots(self) -> int: ...
 
@@ -89,7 +89,7 @@ class Learning(Protocol):
 def train(
     learning: Learning,
     settings: Any,
-    environment: VectorEnvironment,
+    environment: VectorEnvProtocol,
     steps: int,
     seed: int,
     checkpoint: Path | None,
@@ -122,19 +122,21 @@ class Run:
     """A training under way."""
 
     def __init__(
-        self, learning: Learning, settings: Any, environment: VectorEnvironment, seed: int
+        self, learning: Learning, settings: Any, environment: VectorEnvProtocol, seed: int
     ) -> None:
         sizes = environment.observation_size, environment.action_size
         self.learning = learning
         self.settings: LoopSettings = settings
         self.environment = environment
         self.random = np.random.default_rng(seed)
-        self.replay = Replay(settings.replay_size, *sizes, environment.n)
+        self.replay = Replay(settings.buffer_size, *sizes, environment.n)
         self.learner, self.layers = learning.begin(self.random, *sizes)
         self.average = self.layers
         self.snapshots: list[Layers] = []
-        share = settings.quiet_share
-        self.quiet = int((environment.quiet_share if share is None else share) * environment.n)
+        share = settings.deterministic_env_fraction
+        self.quiet = int(
+            (environment.deterministic_env_fraction if share is None else share) * environment.n
+        )
         self.observation = np.zeros((environment.n, sizes[0]))
         self.rounds = 0
         self.updates = 0
@@ -153,7 +155,7 @@ class Run:
     @property
     def steps(self) -> int:
         """Control steps done, over all simulations."""
-        return self.rounds * self.settings.steps_per_round
+        return self.rounds * self.settings.train_freq
 
     @property
     def discount(self) -> float:
@@ -164,10 +166,10 @@ class Run:
     def advance(self) -> None:
         """Act for one round, then learn from what is remembered."""
         before = self.steps
-        for _ in range(self.settings.steps_per_round // self.environment.n):
+        for _ in range(self.settings.train_freq // self.environment.n):
             self._act()
         self.rounds += 1
-        if self.steps >= self.settings.warm_up_steps:
+        if self.steps >= self.settings.learning_starts:
             self._learn()
             if before and _growths(self.steps) > _growths(before):
                 others = self.settings.snapshots - 1
@@ -186,7 +188,7 @@ class Run:
         self.observation = transition.observation
 
     def _learn(self) -> None:
-        updates, batch = self.settings.updates_per_round, self.settings.batch_size
+        updates, batch = self.settings.gradient_steps, self.settings.batch_size
         rows = self.replay.sample(
             self.random, (updates, batch), self.discount, self.settings.n_step
         )
@@ -208,7 +210,7 @@ class Run:
 
     def _track_average(self) -> None:
         """Average over a window that grows with training, so that it serves every budget."""
-        window = self.settings.average_share * self.updates / self.settings.updates_per_round
+        window = self.settings.policy_ema_fraction * self.updates / self.settings.gradient_steps
         if window <= 1:
             self.average = self.layers
             return

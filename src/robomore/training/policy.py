@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.sandbox.remains import read_arrays
+from robomore.sandbox.untrusted_files import read_arrays
 
 POLICY = "policy.npz"
 """Name of a policy's file in the folder of whatever it belongs to."""

@@ -9,12 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.tasks.transition import Transition
+from robomore.envs.transition import Transition
 from robomore.training.policy import MLPPolicy
 
 
 class Stage(Protocol):
-    """Simulations whose episodes are started one by one (`Simulations` without `auto_reset`)."""
+    """VectorEnv whose episodes are started one by one (`VectorEnv` without `auto_reset`)."""
 
     @property
     def n(self) -> int: ...

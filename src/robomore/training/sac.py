@@ -24,7 +24,7 @@ from robomore.training.optimiser import Adam, adam_step, initial_adam
 from robomore.training.policy import MLPPolicy
 from robomore.training.settings import SACSettings
 from robomore.training.threads import use_one_thread
-from robomore.training.trainer import Progress, VectorEnvironment
+from robomore.training.trainer import Progress, VectorEnvProtocol
 
 DECAY = 0.9, 0.999
 """Adam's usual decay of the mean gradient and of the mean squared gradient."""
@@ -64,14 +64,14 @@ class SAC:
 
     def prepare(self, observation_size: int, action_size: int) -> None:
         """Compile for a robot; see `Trainer.prepare`."""
-        updates, batch = self.settings.updates_per_round, self.settings.batch_size
+        updates, batch = self.settings.gradient_steps, self.settings.batch_size
         learner, _ = self.begin(np.random.default_rng(0), observation_size, action_size)
         rows = np.zeros((updates, batch, 2 * observation_size + action_size + 2), np.float32)
         self.learn(learner, rows, np.zeros((updates, 2, batch, action_size), np.float32), done=0)
 
     def train(
         self,
-        environment: VectorEnvironment,
+        environment: VectorEnvProtocol,
         steps: int,
         seed: int,
         checkpoint: Path | None = None,
@@ -90,7 +90,7 @@ class SAC:
         critics = np.stack(
             [perceptron.initial_parameters(random, sizes.critic) for _ in range(settings.critics)]
         )
-        log_weight = np.log(np.float32(settings.initial_entropy_weight))
+        log_weight = np.log(np.float32(settings.init_alpha))
         # NumPy's arrays become JAX's in the first round.
         learner: Any = (
             (policy, initial_adam(policy), log_weight, initial_adam(log_weight)),
@@ -178,7 +178,7 @@ def _learn_critics(
         settings.rate,
         DECAY,
     )
-    targets = critics.targets + settings.target_rate * (parameters - critics.targets)
+    targets = critics.targets + settings.tau * (parameters - critics.targets)
     return Critics(parameters, targets, adam), value
 
 

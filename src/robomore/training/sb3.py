@@ -27,7 +27,7 @@ from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_check
 from robomore.training.policy import MLPPolicy
 from robomore.training.settings import SB3Settings
 from robomore.training.threads import ONE_THREAD
-from robomore.training.trainer import PROGRESS_SECONDS, Progress, VectorEnvironment, whole_rounds
+from robomore.training.trainer import PROGRESS_SECONDS, Progress, VectorEnvProtocol, whole_rounds
 
 log = logging.getLogger(__name__)
 
@@ -49,7 +49,7 @@ class SB3:
 
     def train(
         self,
-        environment: VectorEnvironment,
+        environment: VectorEnvProtocol,
         steps: int,
         seed: int,
         checkpoint: Path | None = None,
@@ -61,7 +61,7 @@ class SB3:
             InputError: fewer steps than one round, or a round that the simulations do not divide.
             TrainingDiverged: a weight is no longer a finite number.
         """
-        steps = whole_rounds(self.settings, environment, steps) * self.settings.steps_per_round
+        steps = whole_rounds(self.settings, environment, steps) * self.settings.train_freq
         run = _Run(self.settings, environment, steps, seed)
         if checkpoint is not None:
             run.restore(checkpoint)
@@ -75,7 +75,7 @@ class _Run:
     """A training under way."""
 
     def __init__(
-        self, settings: SB3Settings, environment: VectorEnvironment, steps: int, seed: int
+        self, settings: SB3Settings, environment: VectorEnvProtocol, steps: int, seed: int
     ) -> None:
         self.environment = environment
         self.steps = steps
@@ -86,14 +86,14 @@ class _Run:
             LibraryEnvironment(environment, seed),
             learning_rate=settings.rate,
             # A memory that is never filled is the same at any size.
-            buffer_size=min(settings.replay_size, steps + environment.n),
-            learning_starts=settings.warm_up_steps,
+            buffer_size=min(settings.buffer_size, steps + environment.n),
+            learning_starts=settings.learning_starts,
             batch_size=settings.batch_size,
-            tau=settings.target_rate,
+            tau=settings.tau,
             gamma=discount,
-            train_freq=(settings.steps_per_round // environment.n, "step"),
-            gradient_steps=settings.updates_per_round,
-            ent_coef=f"auto_{settings.initial_entropy_weight}",
+            train_freq=(settings.train_freq // environment.n, "step"),
+            gradient_steps=settings.gradient_steps,
+            ent_coef=f"auto_{settings.init_alpha}",
             target_entropy="auto" if settings.target_entropy is None else settings.target_entropy,
             policy_kwargs={"net_arch": list(settings.hidden), "n_critics": settings.critics},
             seed=seed,
@@ -234,7 +234,7 @@ class _Run:
 class LibraryEnvironment(VecEnv):  # type: ignore[misc]  # its package is not there when types are checked
     """Our simulations as the library wants them, one control step at a time."""
 
-    def __init__(self, environment: VectorEnvironment, seed: int) -> None:
+    def __init__(self, environment: VectorEnvProtocol, seed: int) -> None:
         self._environment = environment
         self._first_seed = seed
         sizes = environment.observation_size, environment.action_size

@@ -31,14 +31,14 @@ class CrossQSettings:
     renormalisation in their place."""
 
     simulations: Count = 16
-    """Simulations of the body that are stepped together."""
-    steps_per_round: Count = 128
+    """VectorEnv of the body that are stepped together."""
+    train_freq: Count = 128
     """Control steps, over all simulations, between two bouts of learning."""
-    updates_per_round: Count = 16
+    gradient_steps: Count = 16
     """Gradient steps of the critics in one bout of learning, all of them in one compiled call."""
-    warm_up_steps: Count = 5_000
+    learning_starts: Count = 5_000
     """Control steps with uniformly random actions before learning starts."""
-    replay_size: Count = 1_000_000
+    buffer_size: Count = 1_000_000
     """Transitions that are remembered; the oldest are overwritten."""
     batch_size: Count = 128
     """Transitions in one gradient step."""
@@ -46,13 +46,13 @@ class CrossQSettings:
     """Units of each hidden layer, of the policy and of each critic."""
     critics: Count = 2
     """Critics, whose mean or smallest value is believed, or something between."""
-    pessimism: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0
+    min_q_weight: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0
     """How far the smallest value is believed (1) rather than the mean (0)."""
-    policy_rate: Positive = 1e-3
+    actor_lr: Positive = 1e-3
     """Adam's learning rate for the policy."""
-    critic_rate: Positive = 1e-3
+    critic_lr: Positive = 1e-3
     """Adam's learning rate for the critics."""
-    entropy_rate: Positive = 5e-3
+    alpha_lr: Positive = 5e-3
     """Adam's learning rate for the weight of the entropy."""
     beta1: Fraction = 0.5
     """Adam's decay of the mean gradient; the lower value steadies learning without targets."""
@@ -67,20 +67,20 @@ class CrossQSettings:
     lies on its back does not fill the memory; `None` for the task's own length."""
     policy_delay: Count = 3
     """The policy learns at every so many gradient steps of the critics."""
-    initial_entropy_weight: Positive = 0.1
+    init_alpha: Positive = 0.1
     """Weight of the policy's entropy at the start; it is learnt from there."""
     target_entropy: float | None = None
     """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
-    norm_momentum: Fraction = 0.99
+    batch_norm_momentum: Fraction = 0.99
     """Decay of the running mean and variance that stand in for a batch's own when acting."""
-    renorm_after: int = 100_000
+    renorm_warmup_steps: int = 100_000
     """Gradient steps with plain batch normalisation before the correction of batch
     renormalisation sets in."""
-    quiet_share: Fraction | None = None
+    deterministic_env_fraction: Fraction | None = None
     """Share of the simulations that act without noise once learning has begun: what is measured in
     the end is the policy without it, and so its own mistakes are seen and unlearnt. `None` for what
     the task says."""
-    average_share: Fraction = 0.1
+    policy_ema_fraction: Fraction = 0.1
     """The policy that is returned is an exponential average over about this last share of the
     learning; 0 for the last policy itself."""
     snapshots: Count = 4
@@ -94,15 +94,15 @@ class SACSettings:
     training hyperparameters), and where it says nothing those of Stable-Baselines3."""
 
     simulations: Count = 16
-    """Simulations of the body that are stepped together."""
-    steps_per_round: Count = 128
+    """VectorEnv of the body that are stepped together."""
+    train_freq: Count = 128
     """Control steps, over all simulations, between two bouts of learning: the paper's 8 steps of
     16 environments."""
-    updates_per_round: Count = 4
+    gradient_steps: Count = 4
     """Gradient steps in one bout of learning, all of them in one compiled call."""
-    warm_up_steps: Count = 10_000
+    learning_starts: Count = 10_000
     """Control steps with uniformly random actions before learning starts."""
-    replay_size: Count = 2_000_000
+    buffer_size: Count = 2_000_000
     """Transitions that are remembered; the oldest are overwritten."""
     batch_size: Count = 1024
     """Transitions in one gradient step."""
@@ -119,16 +119,16 @@ class SACSettings:
     episode_seconds: Positive | None = None
     """Episodes of training are cut off after this time, in simulated seconds; `None` for the task's
     own length."""
-    target_rate: Share = 0.005
+    tau: Share = 0.005
     """How far the critics that give values follow those that learn, in one gradient step."""
-    initial_entropy_weight: Positive = 1.0
+    init_alpha: Positive = 1.0
     """Weight of the policy's entropy at the start; it is learnt from there."""
     target_entropy: float | None = None
     """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
-    quiet_share: Fraction | None = 0.0
+    deterministic_env_fraction: Fraction | None = 0.0
     """Share of the simulations that act without noise once learning has begun; `None` for what the
     task says."""
-    average_share: Fraction = 0.0
+    policy_ema_fraction: Fraction = 0.0
     """The policy that is returned is an exponential average over about this last share of the
     learning; 0 for the last policy itself."""
     snapshots: Count = 1
@@ -142,14 +142,14 @@ class SB3Settings:
     of `SACSettings`, as far as that library has them."""
 
     simulations: Count = 16
-    """Simulations of the body that are stepped together."""
-    steps_per_round: Count = 128
+    """VectorEnv of the body that are stepped together."""
+    train_freq: Count = 128
     """Control steps, over all simulations, between two bouts of learning."""
-    updates_per_round: Count = 4
+    gradient_steps: Count = 4
     """Gradient steps in one bout of learning."""
-    warm_up_steps: Count = 10_000
+    learning_starts: Count = 10_000
     """Control steps with uniformly random actions before learning starts."""
-    replay_size: Count = 2_000_000
+    buffer_size: Count = 2_000_000
     """Transitions that are remembered; the oldest are overwritten."""
     batch_size: Count = 1024
     """Transitions in one gradient step."""
@@ -164,9 +164,9 @@ class SB3Settings:
     episode_seconds: Positive | None = None
     """Episodes of training are cut off after this time, in simulated seconds; `None` for the task's
     own length."""
-    target_rate: Share = 0.005
+    tau: Share = 0.005
     """How far the critics that give values follow those that learn, in one gradient step."""
-    initial_entropy_weight: Positive = 1.0
+    init_alpha: Positive = 1.0
     """Weight of the policy's entropy at the start; it is learnt from there."""
     target_entropy: float | None = None
     """Entropy that the weight is steered towards, in nats; `None` for minus the action's size."""
@@ -239,12 +239,12 @@ def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
         InputError: see `settings_from`; a package that the algorithm needs is not installed; or
             nothing would be learnt in `steps`.
     """
-    warm_up = getattr(settings_from(trainer), "warm_up_steps", 0)
+    warm_up = getattr(settings_from(trainer), "learning_starts", 0)
     if steps is not None and steps <= warm_up:
         raise InputError(
             f"trainer {trainer.name} learns nothing in {steps} steps: the first {warm_up} are "
             "random actions; give it more --steps, or less of those with "
-            "--trainer-option warm_up_steps=NUMBER"
+            "--trainer-option learning_starts=NUMBER"
         )
     algorithm = _algorithm(trainer.name)
     missing = [name for name in algorithm.needs if importlib.util.find_spec(name) is None]

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.transition import Transition as Transition
 from robomore.errors import InputError
-from robomore.tasks.transition import Transition as Transition
 from robomore.training.policy import MLPPolicy
 
 Progress = Callable[[int], None]
@@ -20,7 +20,7 @@ PROGRESS_SECONDS = 0.3
 """Time between two such calls."""
 
 
-class VectorEnvironment(Protocol):
+class VectorEnvProtocol(Protocol):
     """`n` simulations of one body under one reward, stepped together."""
 
     n: int
@@ -28,7 +28,7 @@ class VectorEnvironment(Protocol):
     action_size: int
     discount: float
     """What a reward one control step later is worth, as the task sees it."""
-    quiet_share: float
+    deterministic_env_fraction: float
     """Share of the simulations that the task wants to act without noise once learning has begun."""
 
     def reset(self, seed: int) -> NDArray[np.float64]:
@@ -70,7 +70,7 @@ class Trainer(Protocol):
 
     def train(
         self,
-        environment: VectorEnvironment,
+        environment: VectorEnvProtocol,
         steps: int,
         seed: int,
         checkpoint: Path | None = None,
@@ -93,22 +93,22 @@ class Trainer(Protocol):
         ...
 
 
-def whole_rounds(settings: Any, environment: VectorEnvironment, steps: int) -> int:
+def whole_rounds(settings: Any, environment: VectorEnvProtocol, steps: int) -> int:
     """Return how many rounds of acting and learning fit into `steps` control steps.
 
     Args:
-        settings: of an algorithm that learns every `steps_per_round` control steps.
+        settings: of an algorithm that learns every `train_freq` control steps.
         environment: simulations that those are spread over.
         steps: the budget.
 
     Raises:
         InputError: fewer steps than one round, or a round that the simulations do not divide.
     """
-    rounds: int = steps // settings.steps_per_round
-    if rounds < 1 or settings.steps_per_round % environment.n:
+    rounds: int = steps // settings.train_freq
+    if rounds < 1 or settings.train_freq % environment.n:
         raise InputError(
             f"{steps} steps with {environment.n} simulations: a round is "
-            f"{settings.steps_per_round} steps, at least one is needed, and the number of "
+            f"{settings.train_freq} steps, at least one is needed, and the number of "
             "simulations has to divide it"
         )
     return rounds

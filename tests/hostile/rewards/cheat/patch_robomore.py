@@ -4,7 +4,7 @@
 
 def _get_rew(self, x_velocity, action):
     import sys
-    for name in ("robomore.sandbox.load", "robomore.sandbox.remains", "miniature"):
+    for name in ("robomore.rewards.load", "robomore.sandbox.untrusted_files", "miniature"):
         module = sys.modules.get(name)
         if module is not None:
             module.measure = module.read_file = lambda *a: 1e9

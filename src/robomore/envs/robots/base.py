@@ -1,0 +1,159 @@
+"""What the robots share: a body from a template, a reward from outside, and batched facts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import mujoco
+import numpy as np
+from gymnasium.envs.mujoco import MujocoEnv
+from gymnasium.utils import EzPickle
+from numpy.typing import NDArray
+
+from robomore.envs.compile import compile_model
+from robomore.tasks.task import Task
+
+Array = NDArray[np.float64]
+
+RewardFunction = Callable[[Any, float, Array], tuple[float, Mapping[str, float]]]
+"""`_get_rew(self, x_velocity, action) -> (reward, terms)`, as the official classes spell it."""
+
+
+class RobotEnvironment(MujocoEnv):
+    """Stands before an official v5 class: `class HopperEnvironment(RobotEnvironment, HopperEnv)`.
+
+    Methods that start with `batch_` are the same facts for n simulations at once; they depend on
+    the constructor's options and on their arguments alone.
+    """
+
+    # Set by the official constructors.
+    observation_structure: dict[str, int]
+
+    def __init__(
+        self,
+        task: Task,
+        parameters: Sequence[float] | Mapping[str, float],
+        reward: RewardFunction,
+        render_mode: str | None = None,
+        **options: Any,
+    ) -> None:
+        """Build the robot.
+
+        Args:
+            task: whose robot this is.
+            parameters: of its body, in the task's order or by name.
+            reward: called as `reward(self, x_velocity, action)` after every control step.
+            render_mode: as in Gymnasium.
+            options: of the official class, over those of the task (`reset_noise_scale=…`).
+
+        Raises:
+            InvalidMorphology: the task refuses the parameters.
+        """
+        self._task = task
+        self._parameters = task.check(parameters)
+        self._reward = reward
+        self._reward_attributes: set[str] = set()
+        chosen = {**task.options(task.named(self._parameters)), **options}
+        super().__init__(render_mode=render_mode, **chosen)
+        # The official constructor has noted its own arguments for pickling; these are ours.
+        arguments = (task, self._parameters, reward, render_mode)
+        EzPickle.__init__(self, *arguments, **options)  # type: ignore[arg-type]  # official mix-in
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Start an episode; whatever the reward kept in `self` is forgotten."""
+        for name in self._reward_attributes:
+            vars(self).pop(name, None)
+        self._reward_attributes.clear()
+        observation: Array
+        observation, info = super().reset(seed=seed, options=options)
+        return observation, info
+
+    def position_view(self, data: mujoco.MjData) -> Array | None:
+        """Return a live view (1,) of the x position whose change is the x-velocity, in m.
+
+        `None` if that is the first number of `qpos`.
+        """
+        return None
+
+    @property
+    def observes_forces(self) -> bool:
+        """Whether observations hold contact forces (`cfrc_ext`)."""
+        return False
+
+    def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
+        """Return observations (n, observation size) as a new array.
+
+        Args:
+            state: (n, nq + nv) positions and velocities.
+            cfrc_ext: (n, bodies, 6) contact forces; not read where the robot does not observe them.
+        """
+        return state[:, self.observation_structure["skipped_qpos"] :].copy()
+
+    def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
+        """Return (n,) bool: whether an episode may go on with this `state` (n, nq + nv)."""
+        return np.ones(len(state), dtype=np.bool_)
+
+    def batch_root(self, qpos: Array) -> Array:
+        """Return (n, 2): x and z of the torso, in m."""
+        # Slide joints count from the pose in which the model was written down.
+        origin: Array = self.model.body_pos[1, [0, 2]] - self.model.qpos0[:2]
+        return qpos[:, :2] + origin
+
+    def _initialize_simulation(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        model = compile_model(self._task, self._parameters)
+        screen = model.vis.global_
+        screen.offwidth = max(screen.offwidth, self.width)
+        screen.offheight = max(screen.offheight, self.height)
+        return model, mujoco.MjData(model)
+
+    def _get_rew(self, x_velocity: float, action: Array) -> tuple[float, Mapping[str, float]]:
+        known = set(vars(self))
+        result = self._reward(self, x_velocity, action)
+        self._reward_attributes |= vars(self).keys() - known
+        return result
+
+
+class UprightEnvironment(RobotEnvironment):
+    """Hopper and Walker: planar, healthy while upright, velocities clipped in the observation."""
+
+    # Set by the official constructors.
+    _healthy_state_range: tuple[float, float]
+    _healthy_z_range: tuple[float, float]
+    _healthy_angle_range: tuple[float, float]
+
+    def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
+        observation = super().batch_observation(state, cfrc_ext)
+        velocities = observation[:, -self.model.nv :]
+        clip_in_place(velocities, -10, 10)
+        return observation
+
+    def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
+        low, high = self._limits
+        return all_of_each(np.logical_and(low < state, state < high))
+
+    @cached_property
+    def _limits(self) -> Array:
+        """(2, nq + nv): what each number of a healthy state stays between; x is free."""
+        limits = np.empty((2, self.model.nq + self.model.nv))
+        limits[:, 0] = -np.inf, np.inf
+        limits[:, 1] = self._healthy_z_range
+        limits[:, 2:] = np.reshape(self._healthy_state_range, (2, 1))
+        low, high = self._healthy_angle_range
+        limits[:, 2] = max(limits[0, 2], low), min(limits[1, 2], high)
+        return limits
+
+
+def clip_in_place(values: Array, low: float, high: float) -> None:
+    """Keep `values` within limits; on small arrays several times faster than `np.clip`."""
+    np.maximum(values, low, out=values)
+    np.minimum(values, high, out=values)
+
+
+def all_of_each(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (n,) whether all of a row are true, without the detour that `rows.all` makes."""
+    every: NDArray[np.bool_] = np.logical_and.reduce(rows, axis=1)
+    return every

@@ -1,0 +1,371 @@
+"""Many simulations of one body, stepped together: what policies are trained and measured on.
+
+The physics runs in a plain loop over MuJoCo's own steps, which is as fast as it gets in one thread
+and bit-identical to the official environments. Everything else is done for the whole batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.envs.batched.reward import BatchedReward
+from robomore.envs.gather import Gather, Scatter
+from robomore.envs.random_state import generator_state, seed_generator, set_generator_state
+from robomore.envs.robots import environment_class
+from robomore.envs.robots.base import (
+    Array,
+    RewardFunction,
+    RobotEnvironment,
+    all_of_each,
+)
+from robomore.envs.transition import Transition
+from robomore.errors import UnstableSimulation
+from robomore.tasks.task import Task
+from robomore.types import TermStatistics
+
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+DIVERGED = 1e6
+"""Positions (m, rad) and velocities (m/s, rad/s) that no robot of ours gets near: MuJoCo warns when
+something exceeds 1e10, an acceleration say, which makes a velocity at least so large."""
+
+TOLERATED_DIVERGENCES = 10
+"""Divergences that are put up with in any case."""
+
+TOLERATED_SHARE = 0.1
+"""Share of episodes that may end in a divergence; with more the body cannot be simulated."""
+
+
+class VectorEnv:
+    """`n` simulations of one body under one reward (a `VectorEnvProtocol`).
+
+    A simulation whose physics diverges (numbers that are not finite, or beyond `DIVERGED`) ends its
+    episode as terminated, in the starting pose: such a step moves nothing forward. Only when that
+    happens again and again does `step` raise.
+
+    Attributes:
+        n: simulations.
+        discount: what a reward one control step later is worth, as the task sees it.
+        deterministic_env_fraction: share of the simulations that the task wants to act without noise in training.
+        observation_size: numbers in an observation.
+        action_size: motors.
+        environment: one Gymnasium environment of this body, for its options and batched facts.
+        data: MuJoCo's data of each simulation.
+        observation: (n, observation_size) what the next actions answer to.
+        physics_state: (n, nq + nv) positions and velocities now.
+        qpos: (n, nq) the positions in it.
+        qvel: (n, nv) the velocities in it.
+        cfrc_ext: (n, bodies, 6) contact forces after the last step, where anything asks for them.
+        healthy: (n,) bool after the last step.
+        diverged: (n,) bool, the physics diverged in the last step.
+        divergences: how often it did in all.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        parameters: Sequence[float] | Mapping[str, float],
+        n: int,
+        reward: RewardFunction | None = None,
+        *,
+        auto_reset: bool = True,
+        batched: bool = True,
+        episode_seconds: float | None = None,
+    ) -> None:
+        """Build the simulations; `reset` or `reset_one` has to come before `step`.
+
+        Args:
+            task: whose robot this is.
+            parameters: of its body, in the task's order or by name.
+            n: simulations.
+            reward: called after every step; without one all rewards are 0.
+            auto_reset: whether an ended episode is followed by the next one at once. Without it,
+                the caller starts episodes with `reset_one`.
+            batched: whether the reward may run for all simulations at once, where that gives the
+                same numbers.
+            episode_seconds: time after which an episode is cut off, if that is before the task's
+                own; `None` for the task's own.
+
+        Raises:
+            InvalidMorphology: the task refuses the parameters, or MuJoCo refuses the model.
+        """
+        self.environment = environment_class(task)(task, parameters, reward or _no_reward)
+        self.model: mujoco.MjModel = self.environment.model
+        # A simulation that diverges shows it, instead of starting over in silence.
+        self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+        self.n = n
+        self.discount = task.discount
+        self.deterministic_env_fraction = task.deterministic_env_fraction
+        self.action_size = int(self.model.nu)
+        self.observation_size = sum(self.environment.observation_space.shape or ())
+        self._frame_skip = int(self.environment.frame_skip)
+        self._dt = float(self.environment.dt)
+        self._steps = task.episode_steps
+        if episode_seconds is not None:
+            self._steps = min(self._steps, max(1, round(episode_seconds / self._dt)))
+        self._auto_reset = auto_reset
+        self._terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
+        self._falls = type(self.environment).batch_healthy is not RobotEnvironment.batch_healthy
+
+        self.data = [mujoco.MjData(self.model) for _ in range(n)]
+        self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(n)]
+        self._controls = Scatter([one.ctrl for one in self.data])
+        self._forces_needed = self.environment.observes_forces
+        nq, nv = self.model.nq, self.model.nv
+        self._rows = Gather(
+            [
+                [one.qpos, one.qvel] if place is None else [one.qpos, one.qvel, place]
+                for one in self.data
+                for place in [self.environment.position_view(one)]
+            ]
+        )
+        self._forces = Gather([[one.cfrc_ext.ravel()] for one in self.data])
+        self.physics_state: Array = self._rows.values[:, : nq + nv]
+        self.qpos = self.physics_state[:, :nq]
+        self.qvel = self.physics_state[:, nq:]
+        self._position: Array = self._rows.values[:, -1 if self._rows.width > nq + nv else 0]
+        self.cfrc_ext: Array = self._forces.values.reshape(n, -1, 6)
+
+        self.observation: Array = np.zeros((n, self.observation_size))
+        self.healthy = np.ones(n, np.bool_)
+        self._now = 0  # control steps so far
+        self._began = np.zeros(n, np.int64)  # how many there were when each episode began
+        self._left = 0  # steps in which surely no episode's time will be up
+        self._nowhere = np.zeros(n, np.bool_)
+        self._nowhere.flags.writeable = False
+        self.diverged: NDArray[np.bool_] = self._nowhere
+        self.divergences = 0
+        self._episodes = 0
+        self._over = np.zeros(n, np.bool_)
+        self._last_qpos: Array = self.qpos  # as the last step left it
+        self._runner: BatchedReward | None = None
+        if reward is not None:
+            live = {"qpos": self.qpos, "qvel": self.qvel, "cfrc_ext": self.cfrc_ext}
+            self._runner = BatchedReward(
+                reward,
+                self.environment,
+                self.data,
+                self._generators,
+                self._need_forces,
+                live,
+                allowed=batched,
+            )
+
+    @property
+    def elapsed(self) -> NDArray[np.int64]:
+        """(n,) control steps done in each episode."""
+        return self._now - self._began
+
+    @property
+    def root_positions(self) -> Array:
+        """(n, 2) x and z of the torso in m, as the last step left them.
+
+        An episode that starts by itself does not count: after a step that ended an episode these
+        are its last positions, after `reset` and `reset_one` the first ones.
+        """
+        return self.environment.batch_root(self._last_qpos)
+
+    def reset(self, seed: int) -> Array:
+        """Start all episodes anew; returns observations (n, observation_size).
+
+        Each simulation draws from a random state of its own, derived from `seed` and its index.
+        """
+        self.observation = self.observation.copy()  # the last one belongs to the caller
+        if self._runner is not None:
+            self._runner.begin()
+        for index, generator in enumerate(self._generators):
+            seed_generator(generator, np.random.SeedSequence([seed, index]))
+            self._begin(index)
+        self._last_qpos = self.qpos
+        return self.observation.copy()
+
+    def reset_one(self, index: int, seed: int) -> Array:
+        """Start an episode in simulation `index`; returns its observation (observation_size,).
+
+        It begins as Gymnasium's `reset(seed=seed)` of this robot does.
+        """
+        self.observation = self.observation.copy()
+        seed_generator(self._generators[index], np.random.SeedSequence(seed))
+        self._begin(index)
+        self._last_qpos[index] = self.qpos[index]
+        first: Array = self.observation[index].copy()
+        return first
+
+    def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
+        """Apply `actions` (n, action_size) in [-1, 1] for one control step.
+
+        Raises:
+            RewardFailed: the reward raised or was not a finite number.
+            UnstableSimulation: the physics diverged over and over.
+        """
+        # A copy: whatever a reward does to its action stays there.
+        applied: Array = np.array(actions, dtype=np.float64, order="C")
+        if applied.shape != (self.n, self.action_size):
+            raise ValueError(
+                f"actions have the shape {applied.shape}, not {(self.n, self.action_size)}"
+            )
+        before = self._position.copy()
+        self._controls.write(applied)
+        model, frame_skip = self.model, self._frame_skip
+        for data in self.data:
+            mujoco.mj_step(model, data, frame_skip)
+        if self._forces_needed:
+            for data in self.data:
+                mujoco.mj_rnePostConstraint(model, data)
+        self._gather()
+        diverged = self._settle_diverged()
+
+        final = self.environment.batch_observation(self.physics_state, self.cfrc_ext)
+        if self._falls:
+            self.healthy = self.environment.batch_healthy(self.physics_state)
+        terminated = ~self.healthy if self._terminates else np.zeros(self.n, np.bool_)
+        if diverged:
+            terminated |= self.diverged
+        if self._runner is None:
+            reward = np.zeros(self.n)
+        else:
+            x_velocity = (self._position - before) / self._dt
+            if diverged:
+                x_velocity[self.diverged] = 0.0
+            reward = self._runner(self, x_velocity, applied)
+        self._now += 1
+        self._left -= 1
+        truncated, ended = np.zeros(self.n, np.bool_), terminated
+        may_end = self._terminates or diverged
+        if self._left <= 0:
+            truncated = self.elapsed >= self._steps
+            ended = terminated | truncated
+            self._left = self._steps - int(self.elapsed.max())
+            may_end = True
+        self.observation = final
+        self._last_qpos = self.qpos
+        if may_end and np.count_nonzero(ended):
+            self._end(np.flatnonzero(ended), final)
+        return Transition(self.observation, reward, terminated, truncated, final)
+
+    def reward_statistics(self) -> dict[str, TermStatistics]:
+        """Return mean, low and high of each reward term over all steps so far."""
+        return {} if self._runner is None else self._runner.statistics()
+
+    def notes(self) -> tuple[str, ...]:
+        """Return facts worth keeping about how these simulations ran."""
+        found = [] if self._runner is None else [self._runner.note]
+        if self.divergences:
+            found.append(f"the physics diverged in {self.divergences} of {self._episodes} episodes")
+        return tuple(found)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return everything needed to continue bit-exactly, as arrays.
+
+        Raises:
+            RewardFailed: the reward keeps something in `self` that cannot be written down.
+        """
+        physics = np.empty((self.n, mujoco.mj_stateSize(self.model, _STATE)))
+        for data, row in zip(self.data, physics, strict=True):
+            mujoco.mj_getState(self.model, data, row, _STATE)
+        own = {
+            "physics": physics,
+            "position": self._position.copy(),
+            "observation": self.observation.copy(),
+            "elapsed": self.elapsed,
+            "over": self._over.copy(),
+            "last_qpos": self._last_qpos.copy(),
+            "counts": np.array([self.divergences, self._episodes, self._forces_needed], np.int64),
+            "generators": np.stack([generator_state(one) for one in self._generators]),
+        }
+        runner = {} if self._runner is None else self._runner.state()
+        return own | {f"reward_{name}": array for name, array in runner.items()}
+
+    def restore(self, state: dict[str, NDArray[Any]]) -> None:
+        """Continue from what `state` returned."""
+        for data, row in zip(self.data, state["physics"], strict=True):
+            mujoco.mj_resetData(self.model, data)
+            mujoco.mj_setState(self.model, data, row, _STATE)
+        self._gather()
+        # Body positions lag behind qpos within a step, so they cannot be computed from it.
+        self._position[:] = state["position"]
+        self.observation = state["observation"].copy()
+        self._began = self._now - state["elapsed"]
+        self._left = 0
+        self._over = state["over"].copy()
+        self._last_qpos = state["last_qpos"].copy()
+        self.divergences, self._episodes = (int(count) for count in state["counts"][:2])
+        self._forces_needed = bool(state["counts"][2])
+        for generator, words in zip(self._generators, state["generators"], strict=True):
+            set_generator_state(generator, words)
+        if self._runner is not None:
+            prefix = "reward_"
+            self._runner.restore(
+                {
+                    name.removeprefix(prefix): array
+                    for name, array in state.items()
+                    if name.startswith(prefix)
+                }
+            )
+
+    def _gather(self) -> None:
+        self._rows.read()
+        if self._forces_needed:
+            self._forces.read()
+
+    def _need_forces(self) -> None:
+        """Compute contact forces now and after every step from now on."""
+        if not self._forces_needed:
+            self._forces_needed = True
+            for data in self.data:
+                mujoco.mj_rnePostConstraint(self.model, data)
+            self._forces.read()
+
+    def _begin(self, index: int) -> None:
+        """Start an episode just as the official environment does, with its own code."""
+        data, environment = self.data[index], self.environment
+        mujoco.mj_resetData(self.model, data)
+        environment.data, environment.np_random = data, self._generators[index]
+        self.observation[index] = environment.reset_model()
+        self._began[index] = self._now
+        self._over[index] = False
+        self._rows.read_one(index)
+        if self._runner is not None:
+            self._runner.reset(index)
+
+    def _end(self, ended: NDArray[np.intp], final: Array) -> None:
+        self._episodes += int((~self._over[ended]).sum())
+        self._over[ended] = True
+        if (
+            self.divergences > TOLERATED_DIVERGENCES
+            and self.divergences > TOLERATED_SHARE * self._episodes
+        ):
+            raise UnstableSimulation(
+                f"The physics diverged in {self.divergences} of {self._episodes} episodes: this "
+                "body cannot be simulated with these motors."
+            )
+        if self._auto_reset:
+            self._last_qpos = self.qpos.copy()
+            self.observation = final.copy()
+            for index in ended.tolist():
+                self._begin(index)
+
+    def _settle_diverged(self) -> bool:
+        """Reset the simulations whose physics diverged; returns whether any did."""
+        self.diverged = self._nowhere
+        # Not a number is not less than anything.
+        if self._rows.square_sum() < DIVERGED**2:
+            return False
+        self.diverged = ~all_of_each(np.abs(self.physics_state) < DIVERGED)
+        for index in np.flatnonzero(self.diverged).tolist():
+            self.divergences += int(not self._over[index])
+            data = self.data[index]
+            mujoco.mj_resetData(self.model, data)
+            mujoco.mj_forward(self.model, data)
+            self._rows.read_one(index)
+            self._forces.read_one(index)
+        return bool(self.diverged.any())
+
+
+def _no_reward(self: Any, x_velocity: float, action: Array) -> tuple[float, dict[str, float]]:
+    return 0.0, {}

@@ -1,0 +1,183 @@
+"""Scenes as SVG text and as pixels (Pillow): the same picture for pages, files and videos."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robomore.errors import InputError
+from robomore.rendering.drawing import Array, Scene, nice_length
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+_THINNEST = 1.6
+"""In pixels: a thinner part is drawn this thick, or it would not be seen."""
+_EDGE, _SHINE = 0.62, 1.28
+"""Brightness of a part's outline and of the light on it."""
+_MARGIN = 0.08
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Which part of a scene goes where.
+
+    Attributes:
+        centre: (2,) of the picture, in m.
+        metres: that the picture is wide.
+        width: in pixels.
+        height: in pixels.
+    """
+
+    centre: Array
+    metres: float
+    width: int
+    height: int
+
+    @property
+    def scale(self) -> float:
+        """Pixels to the metre."""
+        return self.width / self.metres
+
+    def pixels(self, points: Array) -> Array:
+        """Return points (..., 2) in m as pixels to the right and down."""
+        middle = np.array([self.width, self.height]) / 2
+        return np.asarray(middle + (points - self.centre) * self.scale * (1, -1))
+
+
+def frame_around(
+    scene: Scene, width: int, height: int, alike: Sequence[Scene] = (), margin: float = _MARGIN
+) -> Frame:
+    """Return the frame that shows a whole scene.
+
+    Args:
+        scene: what to show.
+        width: in pixels.
+        height: in pixels.
+        alike: scenes that are to be shown at the same scale, in frames of the same size.
+        margin: left free on each side, as a share of the picture.
+    """
+    extents = np.max([one.high - one.low for one in (scene, *alike)], axis=0)
+    metres = float(max(extents[0], extents[1] * width / height)) / (1 - 2 * margin)
+    return Frame((scene.low + scene.high) / 2, metres, width, height)
+
+
+def svg(scene: Scene, frame: Frame, title: str = "") -> str:
+    """Return a picture as an `<svg>` element that needs nothing from outside.
+
+    Lines on the ground and the scale bar take the text's colour, so it fits dark pages too.
+    """
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {frame.width} {frame.height}" '
+        f'role="img" font-family="sans-serif" stroke-linecap="round" stroke-linejoin="round">'
+    ]
+    if title:
+        parts.append(f"<title>{escape(title)}</title>")
+    parts.append('<g fill="none" stroke="currentColor" stroke-width="1" opacity="0.3">')
+    for line in scene.ground:
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in frame.pixels(line))
+        parts.append(f'<polyline points="{path}"/>')
+    parts.append("</g>")
+    for stroke in scene.strokes:
+        (x1, y1), (x2, y2) = frame.pixels(np.stack((stroke.start, stroke.end)))
+        thick = max(_THINNEST, 2 * stroke.radius * frame.scale)
+        # A line without length has no round ends in some browsers.
+        x2 += 0.01
+        for colour, width, lift in _layers(stroke.colour, thick):
+            parts.append(
+                f'<line x1="{x1:.2f}" y1="{y1 - lift:.2f}" x2="{x2:.2f}" y2="{y2 - lift:.2f}" '
+                f'stroke="{colour}" stroke-width="{width:.2f}"/>'
+            )
+    length, bar = _scale_bar(frame)
+    (x1, y1), (x2, _) = bar
+    parts.append(
+        f'<path d="M{x1:.1f} {y1 - 4:.1f}v8m0-4H{x2:.1f}m0-4v8" fill="none" '
+        f'stroke="currentColor" stroke-width="1.5"/>'
+        f'<text x="{(x1 + x2) / 2:.1f}" y="{y1 - 7:.1f}" text-anchor="middle" font-size="12" '
+        f'fill="currentColor">{length:g} m</text></svg>'
+    )
+    return "".join(parts)
+
+
+def image(scene: Scene, frame: Frame, caption: str = "", smooth: int = 2) -> Image:
+    """Return a picture as RGB pixels.
+
+    Args:
+        scene: what to show.
+        frame: which part of it, and the size in pixels.
+        caption: one line at the top.
+        smooth: drawn so many times larger and scaled down, which smooths its edges.
+    """
+    from PIL import Image as Images
+    from PIL import ImageDraw, ImageFont
+
+    fine = Frame(frame.centre, frame.metres, frame.width * smooth, frame.height * smooth)
+    picture = Images.new("RGB", (fine.width, fine.height), "#f6f5f2")
+    pen = ImageDraw.Draw(picture)
+    for line in scene.ground:
+        pen.line([tuple(p) for p in fine.pixels(line).tolist()], fill="#c9c7c1", width=smooth)
+    for stroke in scene.strokes:
+        ends = fine.pixels(np.stack((stroke.start, stroke.end)))
+        thick = max(_THINNEST * smooth, 2 * stroke.radius * fine.scale)
+        for colour, width, lift in _layers(stroke.colour, thick):
+            (x1, y1), (x2, y2) = (ends - (0, lift)).tolist()
+            pen.line([(x1, y1), (x2, y2)], fill=colour, width=max(1, round(width)))
+            for x, y in ((x1, y1), (x2, y2)):
+                half = width / 2
+                pen.ellipse([x - half, y - half, x + half, y + half], fill=colour)
+    length, ((x1, y1), (x2, _)) = _scale_bar(fine)
+    pen.line([(x1, y1), (x2, y1)], fill="#444444", width=2 * smooth)
+    font = ImageFont.load_default(13.0 * smooth)
+    pen.text(((x1 + x2) / 2, y1 - 4 * smooth), f"{length:g} m", "#444444", font, anchor="ms")
+    if caption:
+        pen.text((12 * smooth, 12 * smooth), caption, "#222222", font)
+    return picture.resize((frame.width, frame.height), Images.Resampling.BOX)
+
+
+def save_picture(scene: Scene, path: Path, title: str = "", width: int = 800) -> None:
+    """Write a picture; the suffix of `path`, `.svg` or `.png`, decides how.
+
+    Raises:
+        InputError: another suffix, or the file cannot be written.
+    """
+    frame = frame_around(scene, width, width * 3 // 4)
+    try:
+        if path.suffix.lower() == ".svg":
+            path.write_text(svg(scene, frame, title) + "\n", encoding="utf-8")
+        elif path.suffix.lower() == ".png":
+            image(scene, frame, title).save(path)
+        else:
+            raise InputError(f"{path} is no picture that can be written; end it in .svg or .png")
+    except OSError as error:
+        raise InputError(
+            f"cannot write {path} ({error.strerror or error}); name another file"
+        ) from None
+
+
+def _layers(colour: str, thick: float) -> tuple[tuple[str, float, float], ...]:
+    """Return (colour, thickness, lift) of what makes a stroke look round: edge, body, light."""
+    if thick < 4 * _THINNEST:
+        return ((colour, thick, 0.0),)
+    edge = min(3.0, max(1.0, 0.06 * thick))
+    return (
+        (_brighter(colour, _EDGE), thick, 0.0),
+        (colour, thick - 2 * edge, 0.0),
+        (_brighter(colour, _SHINE), 0.3 * thick, 0.2 * thick),
+    )
+
+
+def _brighter(colour: str, factor: float) -> str:
+    channels = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{min(255, round(channel * factor)):02x}" for channel in channels)
+
+
+def _scale_bar(frame: Frame) -> tuple[float, tuple[tuple[float, float], tuple[float, float]]]:
+    """Return a round length in m and the ends of a bar that long, in pixels."""
+    length = nice_length(frame.metres / 4)
+    right, bottom = frame.width * 0.97, frame.height * 0.96
+    return length, ((right - length * frame.scale, bottom), (right, bottom))

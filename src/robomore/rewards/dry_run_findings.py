@@ -1,0 +1,141 @@
+"""What a reward did on a few bodies that moved at random, and what that says about it.
+
+Only words are made here. `robomore.rewards.dry_run` lets the reward run, in a contained child.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robomore.designers.offline.space import UnitSpace
+from robomore.identity import derive_seed
+from robomore.rewards.check import Finding
+from robomore.tasks.task import Task
+
+SLOW, TOO_SLOW = 1e-3, 10e-3
+"""Processor seconds of one call. A usual reward takes some 20 microseconds, and training on half a
+million steps makes as many calls."""
+_DOMINANT = 0.99
+"""A term with more than this share of all variation leaves the others without a say."""
+_NAMED = 3
+"""Terms that one finding names."""
+_DRAWS = 500
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One reward term in a rehearsal.
+
+    Attributes:
+        spread: its standard deviation over the calls.
+        strange: calls in which it was no finite number.
+    """
+
+    spread: float = 0.0
+    strange: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Rehearsed:
+    """What was seen of a reward that raised nothing.
+
+    Attributes:
+        calls: of the reward, over all bodies.
+        low: least reward.
+        high: greatest reward.
+        seconds: processor time of a usual call (the median).
+        terms: by name.
+    """
+
+    calls: int
+    low: float
+    high: float
+    seconds: float
+    terms: dict[str, Term] = field(default_factory=dict)
+
+
+def findings(seen: Rehearsed, line: int) -> list[Finding]:
+    """Return what a designer should know about a reward.
+
+    Args:
+        seen: in a rehearsal.
+        line: of the reward's text that the findings are told for.
+    """
+    found = []
+    if seen.calls > 1 and seen.low == seen.high:
+        found.append(
+            Finding(
+                line,
+                "error",
+                f"the reward was the same number ({seen.low:g}) in all {seen.calls} steps of "
+                "several bodies that moved at random: nothing can be learnt from it",
+            )
+        )
+    if seen.seconds > SLOW:
+        found.append(
+            Finding(
+                line,
+                "error" if seen.seconds > TOO_SLOW else "warning",
+                f"one call takes {1e3 * seen.seconds:.1f} ms, and training makes hundreds of "
+                f"thousands of calls; it should take less than {1e3 * SLOW:g} ms",
+            )
+        )
+    return [*found, *_about_terms(seen, line)]
+
+
+def bodies(task: Task, count: int) -> list[tuple[float, ...]]:
+    """Return `count` random valid bodies and the official one, the same ones every time.
+
+    The official robot comes last: what fails, mostly fails on another one before, and the words
+    that go to a designer do not tell how the official one stands.
+    """
+    space = UnitSpace(task)
+    random = np.random.default_rng(derive_seed("rehearsal", task.id, task.version))
+    found: list[tuple[float, ...]] = []
+    # Near the official robot, where bodies are valid more often than anywhere in the box.
+    human = space.units([task.human])
+    for _ in range(_DRAWS):
+        if len(found) == count:
+            break
+        drawn = space.values(human + random.normal(0.0, 0.15, human.shape))
+        if space.valid(drawn)[0]:
+            found.append(tuple(drawn[0].tolist()))
+    return [*found, task.human]
+
+
+def _about_terms(seen: Rehearsed, line: int) -> list[Finding]:
+    if not seen.terms:
+        said = "it returns no terms; give each part of the sum a name, so that one can see its part"
+        return [Finding(line, "warning", said)]
+    found = []
+    strange = [name for name, term in seen.terms.items() if term.strange]
+    if strange:
+        said = f"{_listed(strange)} not always a finite number among the terms"
+        found.append(Finding(line, "warning", said))
+    spreads = {name: term.spread for name, term in seen.terms.items() if term.spread > 0}
+    total = math.fsum(spreads.values())
+    # A constant, such as a bonus for being healthy, is no rival.
+    if len(spreads) > 1:
+        name, largest = max(spreads.items(), key=lambda item: item[1])
+        if largest > _DOMINANT * total:
+            said = (
+                f"the term {name!r} dominates: under random actions it makes "
+                f"{100 * largest / total:.1f} % of all variation (standard deviations: "
+                f"{_compared(seen.terms)}), so the other terms hardly count"
+            )
+            found.append(Finding(line, "warning", said))
+    return found
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(f"{name!r}" for name in names[:_NAMED])
+    return f"{shown} {'was' if len(names) == 1 else 'were'}"
+
+
+def _compared(terms: dict[str, Term]) -> str:
+    largest = sorted(terms.items(), key=lambda item: -item[1].spread)[:_NAMED]
+    return ", ".join(f"{name} {term.spread:.3g}" for name, term in largest)

@@ -1,0 +1,105 @@
+"""What is whole in a damaged ledger, put into a new one.
+
+Every row carries a digest of itself, so a row that can be read and agrees with it is right,
+whatever happened around it. What is lost is found to be missing when the run goes on, and done
+again.
+"""
+
+from __future__ import annotations
+
+import logging
+import sqlite3
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, suppress
+from pathlib import Path
+from typing import Any
+
+from robomore.errors import LedgerDamaged
+from robomore.store.ledger import SCHEMA, TABLES, Ledger
+from robomore.store.opening import BESIDE, BROKEN, copy_ledger, open_to_write
+from robomore.store.rows import digest
+
+log = logging.getLogger(__name__)
+
+
+def open_or_recover(path: Path) -> Ledger:
+    """Return the ledger at `path`, opened to go on writing; a new one with the whole rows of a
+    damaged one, which is kept beside it.
+
+    Raises:
+        LedgerError: of another version, or nothing in it can be read.
+        StorageFailed: the disk is full, or cannot be written.
+    """
+    try:
+        if path.exists() and not path.stat().st_size:
+            log.warning("%s is empty; whatever it held is done again", path)
+        return Ledger(path)
+    except LedgerDamaged:
+        copy = _unused(path)
+        copy_ledger(path, copy)
+        kept = _salvage(copy, path)
+        if kept is None:
+            for name in ("", *BESIDE):
+                copy.with_name(copy.name + name).unlink(missing_ok=True)
+            raise LedgerDamaged(
+                f"the ledger {path} is damaged and nothing in it can be read; restore it from a "
+                "copy, or start anew with another --out"
+            ) from None
+    log.warning(
+        "the ledger was damaged: %d rows are whole and kept, the rest is done again; the damaged "
+        "file is kept as %s",
+        kept,
+        copy,
+    )
+    return Ledger(path)
+
+
+def _salvage(damaged: Path, path: Path) -> int | None:
+    """Put the whole rows of `damaged` in the place of `path`; returns how many, `None` for none."""
+    partial = path.with_suffix(".partial")
+    for name in ("", *BESIDE):
+        partial.with_name(partial.name + name).unlink(missing_ok=True)
+    kept = 0
+    with ExitStack() as stack:
+        try:
+            old = open_to_write(damaged, durable=False, stack=stack)
+            (version,) = old.execute("PRAGMA user_version").fetchone()
+        except BROKEN:
+            return None
+        if version != SCHEMA:
+            return None
+        new = stack.enter_context(closing(Ledger(partial)))
+        for table in TABLES:
+            for row in _rows(old, table):
+                new.restore(table, row)
+                kept += 1
+    if not kept:
+        partial.unlink()
+        return None
+    # SQLite would take an old log for the new file's.
+    for name in BESIDE:
+        path.with_name(path.name + name).unlink(missing_ok=True)
+    partial.replace(path)
+    return kept
+
+
+def _rows(db: sqlite3.Connection, table: str) -> Iterator[tuple[Any, ...]]:
+    """Yield the whole rows of a table in order, from both ends towards what cannot be read."""
+    found: dict[int, tuple[Any, ...]] = {}
+    for order in ("ASC", "DESC"):
+        # A damaged schema or page ends the reading, not what was read before.
+        with suppress(*BROKEN):
+            for number, *row in db.execute(f"SELECT rowid, * FROM {table} ORDER BY rowid {order}"):
+                if number in found:
+                    break
+                if row and digest(row[:-1]) == row[-1]:
+                    found[number] = tuple(row)
+    for number in sorted(found):
+        yield found[number]
+
+
+def _unused(path: Path) -> Path:
+    number = 1
+    while (copy := path.with_name(f"{path.stem}-damaged-{number}{path.suffix}")).exists():
+        number += 1
+    return copy
