@@ -22,7 +22,7 @@ def program(body: str, before: str = "") -> str:
 
 
 class BothWays:
-    """VectorEnv whose every step is rewarded twice, with some episodes that begin in between."""
+    """Simulations whose every step is rewarded twice, with some episodes that begin in between."""
 
     def __init__(self, task: str, n: int = 8) -> None:
         chosen = get_task(task)

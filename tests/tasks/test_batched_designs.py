@@ -119,7 +119,7 @@ def test_rewards_in_the_manner_of_language_models(habit: str, robots: dict[str, 
 
 
 def test_health_in_conditions(robots: dict[str, BothWays]) -> None:
-    """VectorEnv that have fallen are parted from the others."""
+    """Simulations that have fallen are parted from the others."""
     body = (
         "alive = 1.0 if self.is_healthy else -5.0\n"
         "bonus = self.healthy_reward * float(self.is_healthy)\n"

@@ -19,7 +19,7 @@ HEADER = "def _get_rew(self, x_velocity, action):\n"
 
 
 def run(body: str, task: str = "ant", steps: int = 1) -> VectorEnv:
-    """VectorEnv that have done some steps under a reward with this body."""
+    """Simulations that have done some steps under a reward with this body."""
     lines = "".join(f"    {line}\n" for line in body.strip().splitlines())
     batch = simulations(task, 2, reward_function(HEADER + lines))
     batch.reset(0)

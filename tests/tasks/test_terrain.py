@@ -11,13 +11,15 @@ import pytest
 from robomore.envs import terrain
 from robomore.envs.compile import body_facts, compile_model
 from robomore.tasks import Terrain, get_task
+from robomore.tasks import terrain as ground
+from robomore.tasks.terrain import TERRAINS
 
 ROUGH = ("desert", "snow", "hills")
 
 
 @pytest.mark.parametrize("name", ROUGH)
 def test_statistics_of_the_paper(name: str) -> None:
-    wanted = terrain.TERRAINS[name]
+    wanted = TERRAINS[name]
     field = terrain.tile(wanted)[:-1, :-1]
     assert field.min() >= 0 and field.max() <= 1
     assert field.mean() == pytest.approx(120 / 255, rel=0.01)
@@ -28,16 +30,16 @@ def test_statistics_of_the_paper(name: str) -> None:
 
 
 def test_statistics_hold_for_other_seeds() -> None:
-    other = replace(terrain.DESERT, seed=77)
+    other = replace(ground.DESERT, seed=77)
     field = terrain.tile(other)[:-1, :-1]
-    assert not np.allclose(field, terrain.tile(terrain.DESERT)[:-1, :-1])
+    assert not np.allclose(field, terrain.tile(ground.DESERT)[:-1, :-1])
     assert terrain.rms_slope(field, 1.5) == pytest.approx(0.077, rel=0.03)
     assert terrain.half_correlation(field) == pytest.approx(4.6, rel=0.1)
 
 
 def test_measures_on_known_ground() -> None:
     """Waves of 16 m along x and y: correlation (1 + cos(2 pi d / 16)) / 2, one half at 4 m."""
-    x = np.arange(terrain.CELLS) * terrain.TILE / terrain.CELLS
+    x = np.arange(ground.CELLS) * ground.TILE / ground.CELLS
     wave = np.sin(2 * np.pi * x / 16)
     field = 0.5 + 0.1 * (wave[:, None] + wave[None, :])
     assert terrain.half_correlation(field) == pytest.approx(4, rel=1e-3)
@@ -47,7 +49,7 @@ def test_measures_on_known_ground() -> None:
 
 @pytest.mark.parametrize("name", ROUGH)
 def test_tiles_join_without_a_seam(name: str) -> None:
-    wanted = terrain.TERRAINS[name]
+    wanted = TERRAINS[name]
     closed = terrain.tile(wanted)
     np.testing.assert_array_equal(closed[0], closed[-1])
     np.testing.assert_array_equal(closed[:, 0], closed[:, -1])
@@ -58,21 +60,21 @@ def test_tiles_join_without_a_seam(name: str) -> None:
 
 
 def test_the_same_seed_gives_the_same_ground() -> None:
-    first = terrain.tile(terrain.SNOW)
+    first = terrain.tile(ground.SNOW)
     terrain.tile.cache_clear()
-    np.testing.assert_array_equal(terrain.tile(terrain.SNOW), first)
+    np.testing.assert_array_equal(terrain.tile(ground.SNOW), first)
 
 
 def on(chosen: Terrain) -> mujoco.MjModel:
     ant = get_task("ant")
     return compile_model(
-        replace(ant, terrain=chosen, template=terrain.on_terrain(ant.template, chosen)), ant.human
+        replace(ant, terrain=chosen, template=ground.on_terrain(ant.template, chosen)), ant.human
     )
 
 
-@pytest.mark.parametrize("name", terrain.TERRAINS)
+@pytest.mark.parametrize("name", TERRAINS)
 def test_friction_counts_against_the_ants_own(name: str) -> None:
-    chosen = terrain.TERRAINS[name]
+    chosen = TERRAINS[name]
     model = on(chosen)
     data = mujoco.MjData(model)
     for _ in range(300):
@@ -83,9 +85,9 @@ def test_friction_counts_against_the_ants_own(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROUGH)
 def test_robot_starts_above_the_ground_whatever_its_size(name: str) -> None:
-    chosen = terrain.TERRAINS[name]
+    chosen = TERRAINS[name]
     ant = get_task("ant")
-    task = replace(ant, terrain=chosen, template=terrain.on_terrain(ant.template, chosen))
+    task = replace(ant, terrain=chosen, template=ground.on_terrain(ant.template, chosen))
     wide = dict(zip(ant.names, ant.human, strict=True)) | {
         "leg_x": 2.0, "leg_y": 2.0, "hip_x": 1.5, "hip_y": 1.5, "foot_x": 1.2, "foot_y": 1.2,
     }  # fmt: skip
@@ -104,17 +106,17 @@ def test_a_dropped_robot_comes_to_rest_on_the_surface(place: tuple[float, float]
     model = compile_model(get_task("ant-desert"), get_task("ant-desert").human)
     data = mujoco.MjData(model)
     data.qpos[:2] = place
-    surface = elevation(terrain.DESERT, *place)
+    surface = elevation(ground.DESERT, *place)
     data.qpos[2] = surface + 1.2
     for _ in range(400):
         mujoco.mj_step(model, data)
-    above = data.qpos[2] - elevation(terrain.DESERT, *data.qpos[:2])
+    above = data.qpos[2] - elevation(ground.DESERT, *data.qpos[:2])
     assert 0.2 < above < 0.9
     assert not any(warning.number for warning in data.warning)
 
 
 def test_beyond_the_tiles_the_ground_is_flat() -> None:
-    model = on(terrain.DESERT)
+    model = on(ground.DESERT)
     data = mujoco.MjData(model)
     data.qpos[:3] = -300, 0, 1
     for _ in range(400):
@@ -123,29 +125,29 @@ def test_beyond_the_tiles_the_ground_is_flat() -> None:
 
 
 def test_tiles_reach_far_enough_for_50_s_at_15_metres_a_second() -> None:
-    model = on(terrain.DESERT)
+    model = on(ground.DESERT)
     tiles = model.geom_type == mujoco.mjtGeom.mjGEOM_HFIELD
-    assert model.geom_pos[tiles, 0].max() + terrain.TILE / 2 >= 750
+    assert model.geom_pos[tiles, 0].max() + ground.TILE / 2 >= 750
     assert model.geom_pos[tiles, 0].min() < 0
-    assert np.abs(model.geom_pos[tiles, 1]).max() >= terrain.TILE
+    assert np.abs(model.geom_pos[tiles, 1]).max() >= ground.TILE
 
 
 def test_flat_ground_is_a_plane() -> None:
-    model = on(terrain.GROUND)
+    model = on(ground.GROUND)
     assert model.nhfield == 0
     assert model.geom("floor").friction[0] == 1.0
 
 
 def test_a_template_without_a_floor_is_refused() -> None:
     with pytest.raises(ValueError, match="floor"):
-        terrain.on_terrain("<mujoco/>", terrain.SNOW)
+        ground.on_terrain("<mujoco/>", ground.SNOW)
 
 
 def elevation(chosen: Terrain, x: float, y: float) -> float:
     """Return the surface's height at a place, from the four corners of its cell."""
-    step = terrain.TILE / terrain.CELLS
+    step = ground.TILE / ground.CELLS
     closed = chosen.height * terrain.tile(chosen)
-    column, across = divmod((x + terrain.TILE / 2) % terrain.TILE / step, 1)
-    row, down = divmod((y + terrain.TILE / 2) % terrain.TILE / step, 1)
+    column, across = divmod((x + ground.TILE / 2) % ground.TILE / step, 1)
+    row, down = divmod((y + ground.TILE / 2) % ground.TILE / step, 1)
     corners = closed[int(row) : int(row) + 2, int(column) : int(column) + 2]
     return float(np.array([1 - down, down]) @ corners @ np.array([1 - across, across]))

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.compile import Parameters, compile_model
-from robomore.envs.terrain import CELLS, TILE, tile
+from robomore.envs.terrain import tile
 from robomore.tasks.task import Task, Terrain
+from robomore.tasks.terrain import CELLS, TILE
 
 Array = NDArray[np.float64]
 Height = Callable[[Array, Array], Array]

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from robomore.envs.terrain import DESERT, on_terrain
 from robomore.tasks.geometry import Capsule, Shape, Sphere
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
+from robomore.tasks.terrain import DESERT, on_terrain
 
 START_CLEARANCE = 0.15
 """The torso starts this much higher than a leg's last segment is long, in m (see template)."""

@@ -14,7 +14,7 @@ from robomore.training.policy import MLPPolicy
 
 
 class Stage(Protocol):
-    """VectorEnv whose episodes are started one by one (`VectorEnv` without `auto_reset`)."""
+    """Simulations whose episodes are started one by one (`VectorEnv` without `auto_reset`)."""
 
     @property
     def n(self) -> int: ...

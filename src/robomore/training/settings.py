@@ -31,7 +31,7 @@ class CrossQSettings:
     renormalisation in their place."""
 
     simulations: Count = 16
-    """VectorEnv of the body that are stepped together."""
+    """Simulations of the body that are stepped together."""
     train_freq: Count = 128
     """Control steps, over all simulations, between two bouts of learning."""
     gradient_steps: Count = 16
@@ -94,7 +94,7 @@ class SACSettings:
     training hyperparameters), and where it says nothing those of Stable-Baselines3."""
 
     simulations: Count = 16
-    """VectorEnv of the body that are stepped together."""
+    """Simulations of the body that are stepped together."""
     train_freq: Count = 128
     """Control steps, over all simulations, between two bouts of learning: the paper's 8 steps of
     16 environments."""
@@ -142,7 +142,7 @@ class SB3Settings:
     of `SACSettings`, as far as that library has them."""
 
     simulations: Count = 16
-    """VectorEnv of the body that are stepped together."""
+    """Simulations of the body that are stepped together."""
     train_freq: Count = 128
     """Control steps, over all simulations, between two bouts of learning."""
     gradient_steps: Count = 4

@@ -1,4 +1,4 @@
-"""VectorEnv for which a reward keeps things of the same form, so that they can run together."""
+"""Simulations for which a reward keeps things of the same form, so that they can run together."""
 
 from __future__ import annotations
 

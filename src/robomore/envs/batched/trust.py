@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FEWEST = 8
-"""VectorEnv below which runs for many are not worth the trouble."""
+"""Simulations below which runs for many are not worth the trouble."""
 
 CHECKS = 32
 """How often each way through a reward is compared with runs per simulation before it is trusted."""
