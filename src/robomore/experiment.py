@@ -125,7 +125,7 @@ def run(
             observe=observe,
         )
         recorded = RecordedDesigner(chosen.make(folder, stack), ledger, observe)
-        human = Design(Morphology(task.human, "the official robot"), Reward(task.reward))
+        human = Design(Morphology(task.reference, "the official robot"), Reward(task.reward))
         try:
             best = robomore(
                 recorded,
@@ -191,7 +191,7 @@ def evaluate(
     mode, _ = _containment(containment, ours=reward is None)
     if artifact is not None and artifact.exists() and any(artifact.iterdir()):
         raise InputError(f"{artifact} is not empty; name a new folder for the policy")
-    checked = task.check(task.human if parameters is None else parameters)
+    checked = task.check(task.reference if parameters is None else parameters)
     job = Job(
         task=task.id,
         design=Design(Morphology(checked), Reward(task.reward if reward is None else reward)),
