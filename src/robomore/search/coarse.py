@@ -19,7 +19,7 @@ def coarse(
     measure: MeasureGrid,
     morphologies: int,
     rewards: int,
-    together: MapFn = sequential_map,
+    map_fn: MapFn = sequential_map,
 ) -> list[Evaluation]:
     """Return the evaluations of the pairs, row by row (paper, Alg. 1, first half).
 
@@ -30,7 +30,7 @@ def coarse(
         measure: measures the pairs, or those that deserve it.
         morphologies: rows of the grid (N_M).
         rewards: columns of the grid (N_R).
-        together: asks for proposals that do not depend on each other.
+        map_fn: asks for proposals that do not depend on each other.
 
     Raises:
         NothingTrained: not one body or not one reward was proposed.
@@ -41,7 +41,7 @@ def coarse(
         if designer.reflects:
             found = diverse(ask, slots)
         else:
-            found = independent([partial(ask, slot, ()) for slot in slots], together)
+            found = independent([partial(ask, slot, ()) for slot in slots], map_fn)
         return filled(found, kind)
 
     bodies = proposals(designer.propose_morphology, "morphology", morphologies)

@@ -30,7 +30,7 @@ def fine(
     grid: Sequence[Evaluation],
     objective: str,
     max_cycles: int,
-    together: MapFn = sequential_map,
+    map_fn: MapFn = sequential_map,
 ) -> list[Evaluation]:
     """Return each survivor's best after refinement, in the survivors' order (paper, Alg. 1).
 
@@ -45,7 +45,7 @@ def fine(
         grid: all evaluations of the coarse stage, those that screening cut short among them.
         objective: `efficiency` or `fitness`.
         max_cycles: bound on the cycles of a branch.
-        together: asks for the proposals of the branches.
+        map_fn: asks for the proposals of the branches.
     """
     branches = [_Branch(index, best, list(grid)) for index, best in enumerate(survivors)]
     for cycle in range(1, max_cycles + 1):
@@ -65,7 +65,7 @@ def fine(
                 )
                 for branch in active
             ],
-            together,
+            map_fn,
         )
         designs = [
             (branch, Design(body, branch.best.design.reward))
@@ -84,7 +84,7 @@ def fine(
                 )
                 for branch in active
             ],
-            together,
+            map_fn,
         )
         designs = [
             (branch, Design(branch.best.design.morphology, program))

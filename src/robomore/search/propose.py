@@ -25,9 +25,9 @@ def sequential_map(calls: Sequence[Callable[[], T]], /) -> list[T]:
     return [call() for call in calls]
 
 
-def independent(asks: Sequence[Callable[[], T]], together: MapFn) -> list[T | ProposalFailed]:
+def independent(asks: Sequence[Callable[[], T]], map_fn: MapFn) -> list[T | ProposalFailed]:
     """Return one proposal for each of `asks`, in order, or why the designer has none."""
-    return together([partial(_or_why_not, ask) for ask in asks])
+    return map_fn([partial(_or_why_not, ask) for ask in asks])
 
 
 def diverse(

@@ -21,7 +21,7 @@ def robomore(
     settings: SearchSettings,
     reference: Reward,
     observe: Observer = ignore,
-    together: MapFn = sequential_map,
+    map_fn: MapFn = sequential_map,
 ) -> list[Evaluation]:
     """Return the refined designs, best first; the paper's answer is the first of them.
 
@@ -31,7 +31,7 @@ def robomore(
         settings: N_M, N_R, k, the objective, bounds, and how the grid is screened.
         reference: reward that screening compares bodies under.
         observe: told whom screening cuts.
-        together: asks for proposals that do not depend on each other.
+        map_fn: asks for proposals that do not depend on each other.
 
     Raises:
         NothingTrained: no pair of the grid could be trained, or none was proposed.
@@ -47,13 +47,13 @@ def robomore(
             objective=settings.objective,
             observe=observe,
         )
-    grid = coarse(designer, measure, settings.morphologies, settings.rewards, together)
+    grid = coarse(designer, measure, settings.morphologies, settings.rewards, map_fn)
     pairs = settings.morphologies * settings.rewards
     survivors = top(finished(grid), settings.survivors, settings.objective, pairs)
 
     # Fine: alternate between morphology and reward.
     refined = fine(
         *(designer, evaluate, survivors, grid),
-        *(settings.objective, settings.max_cycles, together),
+        *(settings.objective, settings.max_cycles, map_fn),
     )
     return ranked(refined, settings.objective)
