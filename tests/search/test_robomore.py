@@ -194,7 +194,7 @@ def test_a_branch_without_any_proposal_keeps_its_best_and_ends() -> None:
 def test_what_does_not_depend_on_each_other_is_asked_for_together() -> None:
     asked: list[int] = []
 
-    def together(calls: Sequence[Callable[[], T]], /) -> list[T]:
+    def side_by_side(calls: Sequence[Callable[[], T]], /) -> list[T]:
         asked.append(len(calls))
         return list(reversed([call() for call in reversed(calls)]))
 
@@ -202,12 +202,12 @@ def test_what_does_not_depend_on_each_other_is_asked_for_together() -> None:
     settings = SearchSettings(morphologies=4, rewards=2, survivors=0.25, max_cycles=1)
     reflecting = CountingDesigner()
     turns = robomore(reflecting, measuring, settings, REFERENCE)
-    assert robomore(reflecting, measuring, settings, REFERENCE, together=together) == turns
+    assert robomore(reflecting, measuring, settings, REFERENCE, map_fn=side_by_side) == turns
     # Diversity Reflection goes in order; the two branches do not.
     assert asked == [2, 2]
     asked.clear()
     blind = CountingDesigner()
     blind.reflects = False
-    robomore(blind, measuring, settings, REFERENCE, together=together)
+    robomore(blind, measuring, settings, REFERENCE, map_fn=side_by_side)
     assert asked == [4, 2, 2, 2]
     assert [slot.index for slot in blind.asked[:4]] == [3, 2, 1, 0]
