@@ -79,8 +79,14 @@ class Registry(Generic[T]):
         """Return all names, this package's first; nothing is loaded."""
         return (*self._items, *self._plugins)
 
-    def __contains__(self, name: str) -> bool:
+    def __contains__(self, name: object) -> bool:
         return name in self._items or name in self._plugins
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names())
+
+    def __getitem__(self, name: str) -> T:
+        return self.get(name)
 
     def items(self) -> Iterator[tuple[str, T]]:
         """Yield every item that loads with its name; what does not is one warning each."""

@@ -137,6 +137,21 @@ class TermStatistics:
 
 
 @dataclass(frozen=True, slots=True)
+class Curve:
+    """How a training went, in some 50 points whatever its length.
+
+    Attributes:
+        steps: control steps done at each point, rising.
+        series: name -> one value a point, `None` where there is none yet: `episode_return`,
+            `episode_length`, `term/NAME` (mean of a reward term), `loss/NAME`, `alpha` (weight of
+            the entropy).
+    """
+
+    steps: tuple[int, ...]
+    series: dict[str, tuple[float | None, ...]]
+
+
+@dataclass(frozen=True, slots=True)
 class Evaluation:
     """What training one design gave.
 
@@ -155,7 +170,9 @@ class Evaluation:
         steps: control steps of training done.
         seconds: core-seconds spent (training and measurement).
         artifact: folder of the trained policy, relative to the run folder; empty if none.
-        notes: facts worth keeping that are no failure ("reward ran once per simulation").
+        notes: facts worth keeping that are no failure ("the physics diverged in 1 episode").
+        curve: how training went; `None` where nothing was trained, and where it is read apart
+            (`Ledger.curve`).
     """
 
     key: str
@@ -173,6 +190,7 @@ class Evaluation:
     seconds: float = 0.0
     artifact: str = ""
     notes: tuple[str, ...] = ()
+    curve: Curve | None = None
 
     @property
     def design(self) -> Design:

@@ -11,7 +11,9 @@ from robomore.executors.executor import Done, Outcome, Progress, load, never
 class Inline:
     """Runs jobs here. A job cannot be given up, so `timeout` has no effect."""
 
-    workers = 1
+    def __init__(self, workers: int = 1) -> None:
+        """Take one job at a time, whatever `workers` says."""
+        self.workers = 1
 
     def map(
         self,

@@ -21,7 +21,10 @@ from robomore.types import Design, Evaluation, Place, Trial
 STAGE = "final"
 
 FOUND, REFERENCE = "found", "reference"
-MORPHOLOGY_ONLY, REWARD_ONLY = "found morphology, reference reward", "reference morphology, found reward"
+MORPHOLOGY_ONLY, REWARD_ONLY = (
+    "found morphology, reference reward",
+    "reference morphology, found reward",
+)
 
 Group = tuple[Evaluation, ...]
 """Evaluations of one design, one for each training seed."""

@@ -14,7 +14,9 @@ from robomore.types import Evaluation, Trial
 class Evaluate(Protocol):
     """Measures a batch; answers in its order, one each. A bad design gives a failed evaluation."""
 
-    def __call__(self, trials: Sequence[Trial], *, budget_fraction: float = 1.0) -> list[Evaluation]:
+    def __call__(
+        self, trials: Sequence[Trial], *, budget_fraction: float = 1.0
+    ) -> list[Evaluation]:
         """Return evaluations after a fraction of the full training; asked for more of it later, a
         training goes on from where it was."""
         ...

@@ -69,7 +69,9 @@ class RandomSearch:
         trials = [
             Trial(
                 Design(
-                    drawn(context.task, derive_seed(context.seed, STAGE, n), self.settings.deviation),
+                    drawn(
+                        context.task, derive_seed(context.seed, STAGE, n), self.settings.deviation
+                    ),
                     context.reference.reward,
                 ),
                 Place(stage=STAGE, index=(n,)),

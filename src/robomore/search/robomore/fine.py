@@ -106,9 +106,7 @@ def _advance(
     trials = [
         Trial(
             design,
-            Place(
-                stage=FINE, index=(branch.index, cycle), changed=changed, parent=branch.best.key
-            ),
+            Place(stage=FINE, index=(branch.index, cycle), changed=changed, parent=branch.best.key),
         )
         for branch, design in designs
     ]

@@ -86,7 +86,9 @@ def _prefiltered(
         Trial(
             Design(morphology, context.reference.reward),
             # The first column is trained under the reference reward anyway, and goes on from here.
-            Place(stage=COARSE, index=(row, 0)) if in_grid else Place(stage=SCREENING, index=(row,)),
+            Place(stage=COARSE, index=(row, 0))
+            if in_grid
+            else Place(stage=SCREENING, index=(row,)),
         )
         for row, morphology in rows.items()
     ]
