@@ -157,7 +157,7 @@ class Run:
     @cached_property
     def cut(self) -> tuple[Record, ...]:
         """Records of the search that screening cut short."""
-        whole = set(id(record) for record in self.searched)
+        whole = {id(record) for record in self.searched}
         return tuple(
             record
             for record in self.records
