@@ -1,4 +1,4 @@
-"""Reading a run folder: files and ledger, once, into a `Run`."""
+"""From a run's folder to a `Run`."""
 
 from __future__ import annotations
 
