@@ -22,7 +22,7 @@ from robomore.evaluation.evaluate import evaluate as evaluate_request
 from robomore.evaluation.evaluator import Evaluator
 from robomore.evaluation.request import Request
 from robomore.events import Observer, RunBegan, Spent, ignore, one_at_a_time
-from robomore.executors import Processes, Threads
+from robomore.executors import Processes, thread_map
 from robomore.identity import job_key
 from robomore.llm import BudgetedClient, MemoryLog, ReplayModel, Spending
 from robomore.rendering.snapshots import pictures
@@ -133,7 +133,7 @@ def run(
                 settings.search,
                 human.reward,
                 ledger.noting(observe),
-                Threads(chosen.parallel),
+                thread_map(chosen.parallel),
             )
             outcome = final(
                 partial(evaluator.measure, budget=settings.final),

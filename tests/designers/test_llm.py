@@ -23,7 +23,7 @@ from robomore.designers.designer import Designer
 from robomore.designers.llm.designer import LLMDesigner, LLMSettings
 from robomore.designers.llm.history import HistorySettings
 from robomore.errors import BudgetExhausted, InputError, ProposalFailed
-from robomore.executors import Threads
+from robomore.executors import thread_map
 from robomore.llm import BudgetedClient, MemoryLog, ModelBudget, ReplayModel, Request, Sampling
 from robomore.rewards.check import Finding
 from robomore.types import Slot
@@ -360,7 +360,7 @@ def test_side_by_side_a_spent_budget_costs_nothing_but_the_wait() -> None:
 
     def ask(log: MemoryLog, limit: int | None) -> list[object]:
         made = designer(ScriptedModel(answer), log, budget=ModelBudget(requests=limit))
-        return Threads(3)([partial(made.improve_reward, slot, best, [best]) for slot in slots])
+        return thread_map(3)([partial(made.improve_reward, slot, best, [best]) for slot in slots])
 
     expected, log = ask(MemoryLog(), None), MemoryLog()
     for limit in range(1, 12):
@@ -393,5 +393,5 @@ def test_only_asking_goes_on_side_by_side() -> None:
 
     made = designer(ScriptedModel(answer), check=alone, rehearse=alone)
     slots = [Slot("fine", "reward", branch, 1) for branch in range(6)]
-    Threads(3)([partial(made.improve_reward, slot, best, [best]) for slot in slots])
+    thread_map(3)([partial(made.improve_reward, slot, best, [best]) for slot in slots])
     assert most == 1
