@@ -98,9 +98,9 @@ def test_a_bad_reply_is_told_its_exact_fault_and_repaired() -> None:
     assert last[2].text == "no idea" and "no JSON object" in last[3].text
     assert "front_length = 99 m is outside [0.05, 3]" in last[5].text
     assert [exchange.repair for exchange in log.all()] == [0, 1, 2]
-    findings = [exchange.findings for exchange in log.all()]
-    assert "no JSON object" in findings[0][0] and "outside" in findings[1][0]
-    assert findings[2] == ()
+    errors = [exchange.validation_errors for exchange in log.all()]
+    assert "no JSON object" in errors[0][0] and "outside" in errors[1][0]
+    assert errors[2] == ()
 
 
 @pytest.mark.parametrize("repairs", [0, 1, 3])
@@ -236,7 +236,7 @@ def test_a_run_killed_anywhere_loses_nothing_and_pays_nothing_twice() -> None:
     expected = whole_run(designer(model, log))
     exchanges = len(model.asked)
     assert exchanges == 12
-    for call in ("add", "judge"):
+    for call in ("add", "set_errors"):
         for number in range(1, exchanges + 1):
             for after in (False, True):
                 model = ScriptedModel(clumsy)
@@ -316,7 +316,7 @@ def test_over_a_real_connection_that_misbehaves() -> None:
     steps = ["busy", "drop", "no_schema", ("say", said(0.3)), "half", "cut_off", ("say", coded(1))]
     log = MemoryLog()
     with serve(*steps) as (url, script):
-        model = connect("toy", base_url=url, patience=RetryPolicy(first_wait=0.01))
+        model = connect("toy", base_url=url, retry_policy=RetryPolicy(initial_wait=0.01))
         model._sleep = lambda seconds: None
         made = LLMDesigner(SWIMMER, BudgetedClient(model, log))
         assert made.propose_morphology(BODY, []).parameters[0] == 0.3
@@ -337,7 +337,7 @@ def test_a_budget_of_requests_counts_each_try_and_is_never_passed() -> None:
 
     log = MemoryLog()
     with serve("broken", "half", "broken", ("say", said(0.3)), ("say", coded(1))) as (url, script):
-        model = connect("toy", base_url=url, patience=RetryPolicy(first_wait=0.01))
+        model = connect("toy", base_url=url, retry_policy=RetryPolicy(initial_wait=0.01))
         model._sleep = lambda seconds: None
         for allowed, sent in ((2, 2), (2, 2), (3, 3)):
             made = designer(model, log, budget=ModelBudget(requests=allowed))

@@ -123,7 +123,7 @@ def test_a_doubt_is_told_once_and_then_the_model_has_its_way() -> None:
     )
     assert designer.propose_reward(slot, []).source.strip() == source.strip()
     assert len(tried) == 2
-    assert [one.findings for one in log.all()] == [(f"line 1: {doubt.message}",), ()]
+    assert [one.validation_errors for one in log.all()] == [(f"line 1: {doubt.message}",), ()]
 
 
 def _answer(slot: Slot, repair: int, reply: str) -> Exchange:

@@ -31,7 +31,7 @@ FORMED = dataclasses.replace(PLAIN, schema=SCHEMA)
 
 def model_at(url: str, tries: int = 3, seconds: float = 20.0):
     """A model whose waits are noted, not slept."""
-    model = connect("toy", base_url=url, patience=RetryPolicy(tries=tries, seconds=seconds))
+    model = connect("toy", base_url=url, retry_policy=RetryPolicy(max_tries=tries, timeout=seconds))
     waits: list[float] = []
     model._sleep = waits.append
     return model, waits

@@ -37,7 +37,7 @@ def test_nonsense_designs_come_out_of_a_real_server(tmp_path: Path) -> None:
     assert all(task.check(body.parameters) and body.idea for body in bodies)
     assert len({program.source for program in programs}) == 2
     exchanges = log.all()
-    assert sum(exchange.findings == () for exchange in exchanges) == 5 < len(exchanges)
+    assert sum(exchange.validation_errors == () for exchange in exchanges) == 5 < len(exchanges)
     assert all(
         exchange.input_tokens > 1000 and exchange.output_tokens > 5 for exchange in exchanges
     )

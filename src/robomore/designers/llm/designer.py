@@ -75,7 +75,7 @@ class LLMDesigner:
     def __init__(
         self,
         task: Task,
-        correspondence: BudgetedClient,
+        client: BudgetedClient,
         settings: LLMSettings | None = None,
         *,
         objective: str = "efficiency",
@@ -87,7 +87,7 @@ class LLMDesigner:
 
         Args:
             task: what is to be done.
-            correspondence: the model, the log and the budget.
+            client: the model, the log and the budget.
             settings: how the model is used.
             objective: what the search compares.
             check: reads the text of a reward.
@@ -95,9 +95,9 @@ class LLMDesigner:
             pictures: draws what is to be improved, for a model that can see.
         """
         self.reflects = (settings or LLMSettings()).diversity
-        self.provenance = f"Proposed by a language model: {correspondence.model.name}."
+        self.provenance = f"Proposed by a language model: {client.model.name}."
         self._task = task
-        self._correspondence = correspondence
+        self._client = client
         self._settings = settings or LLMSettings()
         self._objective = objective
         self._check = check
@@ -164,7 +164,7 @@ class LLMDesigner:
         def read(exchange: Exchange) -> Reward:
             reward = parse_reward(exchange.reply, taken, exchange.truncated, self._check)
             # A rehearsal measures time and may judge differently tomorrow: it is believed once.
-            if exchange.findings is None and self._rehearse is not None:
+            if exchange.validation_errors is None and self._rehearse is not None:
                 found = self._rehearse(reward.source)
                 # What is merely doubtful is said once; then the model knows what it wants.
                 if errors(found) or (found and not exchange.repair and self._settings.repairs):
@@ -184,17 +184,17 @@ class LLMDesigner:
         messages = (*prompt[:-1], _afresh(prompt[-1], slot.attempt))
         for repair in range(self._settings.repairs + 1):
             request = Request(slot, repair, messages, schema, self._settings.sampling)
-            exchange = self._correspondence.ask(request)
+            exchange = self._client.ask(request)
             try:
-                if exchange.findings:
-                    raise BadReply(exchange.findings)
+                if exchange.validation_errors:
+                    raise BadReply(exchange.validation_errors)
                 with self._alone:
                     proposal = read(exchange)
             except BadReply as bad:
-                self._correspondence.judge(exchange, bad.faults)
+                self._client.set_errors(exchange, bad.faults)
                 faults = bad.faults
             else:
-                self._correspondence.judge(exchange, ())
+                self._client.set_errors(exchange, ())
                 return proposal
             # Some providers refuse an empty turn.
             echo = exchange.reply[:_LONGEST_ECHO] or "(no answer)"
