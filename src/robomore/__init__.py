@@ -7,7 +7,7 @@ decides, a `Ledger` remembers, a `Report` shows.
 
     from robomore import evaluate, get_task, run
 
-    get_task("ant").volume(get_task("ant").human)
+    get_task("ant").volume(get_task("ant").reference)
     result = run("swimmer", "quick", seed=1)
 """
 

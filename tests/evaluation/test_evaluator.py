@@ -14,6 +14,7 @@ from robomore.evaluation.evaluator import Evaluator
 from robomore.evaluation.request import Request
 from robomore.events import Event, Finished
 from robomore.executors import Done, Failed, Outcome
+from robomore.executors.executor import never
 from robomore.settings import Budget
 from robomore.store import Ledger, RunFolder
 from robomore.types import (
@@ -55,8 +56,11 @@ class Scripted:
         payloads: Sequence[bytes],
         progress: Callable[[int, int], None],
         timeout: float,
+        should_stop: Callable[[], bool] = never,
     ) -> Generator[tuple[int, Outcome]]:
         for index in reversed(range(len(payloads))):
+            if should_stop():
+                return
             request = msgspec.json.decode(payloads[index], type=Request)
             self.requests.append(request)
             progress(index, 0)
