@@ -83,7 +83,7 @@ class ReplayModel:
             )
         if self._otherwise is not None:
             return self._otherwise.complete(request, before_send)
-        if self._by == "slot" and request.slot.stage == "fine":
+        if self._by == "slot" and request.slot.improves:
             raise ProposalFailed(f"the recording has no answer for {request.slot}")
         raise InputError(self._missing(request))
 

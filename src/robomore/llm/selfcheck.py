@@ -63,7 +63,7 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
 
 
 def _request(text: str, index: int, sampling: Sampling, schema: bool) -> Request:
-    slot = Slot("check", "check", 0, index)
+    slot = Slot("check", "check", (index,))
     return Request(slot, 0, (Message("user", text),), _SCHEMA if schema else None, sampling)
 
 
