@@ -85,9 +85,8 @@ def run(
     method = make_method(settings.method)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     _refuse_useless(settings, method, designer, budget_steps, time_limit)
-    mode, layers = choose_containment(
-        containment, ours=not isinstance(designer, LanguageModel | Replay)
-    )
+    # A reward that comes from elsewhere is untrusted, whoever proposes it.
+    mode, layers = choose_containment(containment, ours=designer in (None, "offline"))
     chosen = _no_designer(method)
     if method.needs_designer:
         asked = designer or "offline"

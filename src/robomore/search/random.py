@@ -66,18 +66,12 @@ class RandomSearch:
         Raises:
             NothingTrained: no draw passed the task's rules, or no sample could be trained.
         """
-        trials = [
-            Trial(
-                Design(
-                    drawn(
-                        context.task, derive_seed(context.seed, STAGE, n), self.settings.deviation
-                    ),
-                    context.reference.reward,
-                ),
-                Place(stage=STAGE, index=(n,)),
-            )
-            for n in range(self._count(context))
-        ]
+        trials = []
+        for n in range(self._count(context)):
+            seed = derive_seed(context.seed, STAGE, n)
+            morphology = drawn(context.task, seed, self.settings.deviation)
+            design = Design(morphology, context.reference.reward)
+            trials.append(Trial(design, Place(stage=STAGE, index=(n,))))
         return ranked(evaluate(trials), context.objective)
 
     def _count(self, context: SearchContext) -> int:

@@ -82,16 +82,13 @@ def _prefiltered(
     """Return `trials` without most of those of the morphologies that do worst in a first look."""
     in_grid = settings.reference_reward == "in"
     rows = {trial.place.index[0]: trial.design.morphology for trial in trials}
-    looks = [
-        Trial(
-            Design(morphology, context.reference.reward),
-            # The first column is trained under the reference reward anyway, and goes on from here.
-            Place(stage=COARSE, index=(row, 0))
-            if in_grid
-            else Place(stage=SCREENING, index=(row,)),
-        )
-        for row, morphology in rows.items()
-    ]
+    looks = []
+    for row, morphology in rows.items():
+        # The reference column is trained anyway, and goes on from here.
+        place = Place(stage=COARSE, index=(row, 0))
+        if not in_grid:
+            place = Place(stage=SCREENING, index=(row,))
+        looks.append(Trial(Design(morphology, context.reference.reward), place))
     fraction = settings.rungs[0].budget_fraction if settings.rungs else 1.0
     measured = evaluate(looks, budget_fraction=fraction)
     row_of = {e.key: row for row, e in zip(rows, measured, strict=True)}
