@@ -24,7 +24,7 @@ SCHEMA = {
     "additionalProperties": False,
 }
 PLAIN = Request(
-    Slot("coarse", "reward", 0, 0), 0, (Message("system", "be brief"), Message("user", "ready?"))
+    Slot("coarse", "reward", (0,)), 0, (Message("system", "be brief"), Message("user", "ready?"))
 )
 FORMED = dataclasses.replace(PLAIN, schema=SCHEMA)
 

@@ -32,7 +32,7 @@ from robomore.llm.retry import RetryPolicy, TransientError, retry
 from robomore.llm.tokens import estimate_prompt, estimate_tokens
 from robomore.types import Slot
 
-SLOT = Slot("coarse", "morphology", 0, 0)
+SLOT = Slot("coarse", "morphology", (0,))
 
 
 def request(text: str = "hello", slot: Slot = SLOT, repair: int = 0, **changes) -> Request:
@@ -50,8 +50,8 @@ def test_the_same_request_is_paid_for_once() -> None:
 @pytest.mark.parametrize(
     "other",
     [
-        request("hello", dataclasses.replace(SLOT, branch=1)),
-        request("hello", dataclasses.replace(SLOT, index=1)),
+        request("hello", dataclasses.replace(SLOT, index=(1,))),
+        request("hello", dataclasses.replace(SLOT, improves=True)),
         request("hello", dataclasses.replace(SLOT, attempt=1)),
         request("hello", dataclasses.replace(SLOT, stage="fine")),
         request("hello", dataclasses.replace(SLOT, kind="reward")),
@@ -168,7 +168,7 @@ def recorded(*texts: str) -> MemoryLog:
     log = MemoryLog()
     client = BudgetedClient(ScriptedModel([f"to {text}" for text in texts]), log)
     for number, text in enumerate(texts):
-        exchange = client.ask(request(text, dataclasses.replace(SLOT, index=number)))
+        exchange = client.ask(request(text, dataclasses.replace(SLOT, index=(number,))))
         client.set_errors(exchange, [f"error {number}"])
     return log
 
@@ -177,7 +177,7 @@ def test_a_replay_answers_the_same_and_costs_nothing() -> None:
     log = recorded("a", "b")
     own = MemoryLog()
     replay = BudgetedClient(ReplayModel(log), own)
-    asked = request("b", dataclasses.replace(SLOT, index=1))
+    asked = request("b", dataclasses.replace(SLOT, index=(1,)))
     answered = replay.ask(asked)
     original = log.all()[1]
     assert answered.key == original.key
@@ -192,7 +192,7 @@ def test_a_replay_says_where_it_parts_from_the_recording() -> None:
     with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
         replay.complete(request("other"))
     with pytest.raises(InputError, match="ends before coarse morphology 6"):
-        replay.complete(request("a", dataclasses.replace(SLOT, index=5)))
+        replay.complete(request("a", dataclasses.replace(SLOT, index=(5,))))
     with pytest.raises(InputError, match="no exchanges"):
         ReplayModel(MemoryLog())
 

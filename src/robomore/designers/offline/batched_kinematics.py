@@ -80,7 +80,7 @@ class BatchedKinematics:
         )
 
     def _follow(self, first: ET.Element, origin: list[ast.expr]) -> None:
-        """Read the leg that starts with body `first`, and only the first branch of a branching leg."""
+        """Read the leg that starts with body `first`; of a branching leg, only the first branch."""
         root: list[ast.expr] | None = None
         leg: list[int] = []
         body: ET.Element | None = first

@@ -101,7 +101,9 @@ class PlausibilityPrior:
         return self._kinematics.rest_pose(columns)
 
     def _radii(self, values: Array) -> list[float]:
-        return [shape.radius for shape in self._task.shapes(self._task.named(values.tolist()))]
+        # Unlike `Task.named`, this takes values that break the task's rules.
+        named = dict(zip(self._task.names, values.tolist(), strict=True))
+        return [shape.radius for shape in self._task.shapes(named)]
 
     def _solids(self, values: Array) -> tuple[Array, Array, Array]:
         """Return lengths (n, p) in m (0 for balls), radii (n, p) in m and volumes (n,) in m³."""
