@@ -54,12 +54,14 @@ def test_a_model_behind_a_real_server_designs_a_whole_quick_run(
     # Proposals arrived in every slot, and bad ones were sent back or replaced.
     with closing(LedgerExchanges(folder.ledger, read_only=True)) as log:
         exchanges = log.all()
-    accepted = Counter((one.slot.stage, one.slot.kind) for one in exchanges if one.findings == ())
+    accepted = Counter(
+        (one.slot.stage, one.slot.kind) for one in exchanges if one.validation_errors == ()
+    )
     assert accepted["coarse", "morphology"] == sizes.morphologies
     assert accepted["coarse", "reward"] == sizes.proposed_rewards
     assert accepted["fine", "morphology"] >= 2 and accepted["fine", "reward"] >= 2
     assert sum(accepted.values()) < len(exchanges)
-    assert all(one.findings is not None for one in exchanges)
+    assert all(one.validation_errors is not None for one in exchanges)
     assert all(one.structured for one in exchanges if one.slot.kind == "morphology")
     assert told["empty_slots"] == [] and told["cost"]["requests"] >= len(exchanges)
 

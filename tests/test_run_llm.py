@@ -72,18 +72,18 @@ CONVERSATION: list[str | tuple[str, str]] = [
 """What the server says to a run of `TINY` with one repair, in order."""
 
 
-ONCE = RetryPolicy(tries=1)
+ONCE = RetryPolicy(max_tries=1)
 
 
 def talk(
     out: Path,
     url: str,
-    patience: RetryPolicy = ONCE,
+    retry_policy: RetryPolicy = ONCE,
     settings: RunSettings = TINY,
     executor: str = "untrained",
     **options: object,
 ) -> Path:
-    model = connect("toy", base_url=url, patience=patience)
+    model = connect("toy", base_url=url, retry_policy=retry_policy)
     chosen = LanguageModel(model, SETTINGS, server=url, **options)  # type: ignore[arg-type]
     return run(
         "swimmer", settings, designer=chosen, seed=1, executor=executor, workers=2, out=out
@@ -133,7 +133,7 @@ def test_bad_answers_are_repaired_or_replaced_and_a_champion_comes_out(
         ("fine morphology 1.1", 0, 0),
         ("fine reward 1.1", 0, 0),
     ]
-    found = [" ".join(one.findings or ()) for one in kept]
+    found = [" ".join(one.validation_errors or ()) for one in kept]
     for number, word in enumerate(("JSON", "", "same body", "", "", "nan", "", "", "")):
         assert word in found[number]
     assert [bool(said) for said in found] == [True, False, True, True, False, True, *[False] * 3]
@@ -164,7 +164,7 @@ def test_a_replay_is_the_run_to_the_last_digit(drafted: Path, tmp_path: Path) ->
     assert numbers(again) == numbers(drafted)
     before, after = exchanges(drafted), exchanges(again)
     assert [one.key for one in after] == [one.key for one in before]
-    assert [one.findings for one in after] == [one.findings for one in before]
+    assert [one.validation_errors for one in after] == [one.validation_errors for one in before]
     assert {one.cost for one in after} == {0.0}
     assert load_run(again).spending.requests == 0
     assert "as recorded in" in Manifest.load(RunFolder(again).manifest).provenance
@@ -266,7 +266,7 @@ def test_a_server_that_fails_in_every_way_and_a_run_killed_in_between(
         from robomore.llm.retry import RetryPolicy
         from test_run_llm import talk
         from untrained import Untrained
-        talk(Path(sys.argv[1]), sys.argv[2], RetryPolicy(first_wait=0.01, seconds=6.0))
+        talk(Path(sys.argv[1]), sys.argv[2], RetryPolicy(initial_wait=0.01, timeout=6.0))
         """
     )
     out = tmp_path / "out"
@@ -343,7 +343,7 @@ def test_side_by_side_or_in_turn_the_run_is_the_same(tmp_path: Path, diversity: 
             "coarse": 1 if diversity or parallel == 1 else 3,
             "fine": parallel,
         }
-        kept = sorted((one.key, one.reply, one.findings) for one in exchanges(out))
+        kept = sorted((one.key, one.reply, one.validation_errors) for one in exchanges(out))
         assert len(kept) == len(script.seen)
         found.append((numbers(out), kept))
     assert found[0] == found[1]
@@ -504,10 +504,10 @@ def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) 
     """In earnest, but for the model (`test_quick_llm.py` has a real server)."""
     small = with_method(TINY, options={"morphologies": 1})
     with serve("page", body(0.8), "broken", GOOD, body(0.7), OTHER) as (url, _):
-        patience = RetryPolicy(first_wait=0.01)
-        chosen = LanguageModel(connect("toy", base_url=url, patience=patience), server=url)
+        retry_policy = RetryPolicy(initial_wait=0.01)
+        chosen = LanguageModel(connect("toy", base_url=url, retry_policy=retry_policy), server=url)
         folder = run("swimmer", small, designer=chosen, seed=1, out=tmp_path / "run").folder
-    accepted = [one for one in exchanges(folder) if one.findings == ()]
+    accepted = [one for one in exchanges(folder) if one.validation_errors == ()]
     stages = [(one.slot.stage, one.slot.kind) for one in accepted]
     assert stages == [(stage, kind) for stage in ("coarse", "fine") for kind in KINDS]
     assert load_run(folder).final

@@ -7,6 +7,6 @@ nothing else. `thread_map` is for calls that only wait. `EXECUTORS` names them f
 
 from robomore.executors.executor import Done, Executor, Failed, Outcome
 from robomore.executors.executors import EXECUTORS
-from robomore.executors.thread_map import Threads as thread_map
+from robomore.executors.thread_map import thread_map
 
 __all__ = ["EXECUTORS", "Done", "Executor", "Failed", "Outcome", "thread_map"]

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from measured import SWIMMER
 
 from robomore.designers.llm.extraction import LONGEST, NotFound, find_code, find_object
-from robomore.designers.llm.parsing import BadReply, parse_morphology, parse_reward
+from robomore.designers.llm.parsing import InvalidReply, parse_morphology, parse_reward
 from robomore.rewards.check import Finding
 from robomore.types import Morphology, Reward
 
@@ -62,10 +62,10 @@ def test_reply(path: Path) -> None:
     case = Case.read(path)
     started = time.monotonic()
     if "fault" in case.headers:
-        with pytest.raises(BadReply) as caught:
+        with pytest.raises(InvalidReply) as caught:
             case.parse()
-        assert case.headers["fault"] in "; ".join(caught.value.faults)
-        assert all(len(fault) < 500 and "\n" not in fault for fault in caught.value.faults)
+        assert case.headers["fault"] in "; ".join(caught.value.errors)
+        assert all(len(fault) < 500 and "\n" not in fault for fault in caught.value.errors)
     else:
         proposal = case.parse()
         assert proposal.idea == case.headers["accepted"]
@@ -90,9 +90,9 @@ def test_the_corpus_is_a_corpus() -> None:
 
 
 def test_all_faults_of_the_code_are_told_at_once_with_their_lines() -> None:
-    with pytest.raises(BadReply) as caught:
+    with pytest.raises(InvalidReply) as caught:
         parse_reward("import os\nimport sys\ndef reward(a):\n    return 1\n")
-    told = caught.value.faults
+    told = caught.value.errors
     assert [fault.split(":")[0] for fault in told[:2]] == ["line 1", "line 1"]
     assert any("`os`" in fault for fault in told) and any("`sys`" in fault for fault in told)
     assert any("`reward`" in fault for fault in told)
@@ -102,7 +102,7 @@ def test_warnings_do_not_stop_a_reward() -> None:
     reply = "def _get_rew(self, x_velocity, action):\n    return x_velocity, {}\n"
     warned = [Finding(1, "warning", "hm")]
     assert parse_reward(reply, check=lambda source: warned).source == reply
-    with pytest.raises(BadReply, match="line 2: no"):
+    with pytest.raises(InvalidReply, match="line 2: no"):
         parse_reward(reply, check=lambda source: [Finding(2, "error", "no")])
 
 
@@ -117,8 +117,8 @@ def test_noise_never_breaks_the_parsers(noise: str) -> None:
     for parse in (lambda: parse_morphology(noise, SWIMMER), lambda: parse_reward(noise)):
         try:
             parse()
-        except BadReply as bad:
-            assert bad.faults
+        except InvalidReply as bad:
+            assert bad.errors
 
 
 HOSTILE = ["{", '{"', "{'a':", '{"parameters":', "[", '"', "'", "\\", "//", "{#", " ", "\n"]

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 import pytest
-from synthetic import Bowl, evaluation
+from evaluations import Bowl, evaluation
 
 from robomore.designers.offline.designer import OfflineDesigner
 from robomore.designers.offline.surrogate import GaussianProcess, expected_improvement
@@ -13,13 +13,13 @@ from robomore.types import Evaluation, Morphology, Reward, Slot, Status
 
 
 def slot(index: int, branch: int = 0) -> Slot:
-    return Slot("fine", "morphology", branch, index)
+    return Slot("fine", "morphology", (branch, index), improves=True)
 
 
 def start(designer: OfflineDesigner, count: int) -> list[Morphology]:
     bodies: list[Morphology] = []
     for index in range(count):
-        place = Slot("coarse", "morphology", 0, index)
+        place = Slot("coarse", "morphology", (index,))
         bodies.append(designer.propose_morphology(place, bodies))
     return bodies
 
@@ -60,7 +60,7 @@ def test_a_step_depends_on_its_arguments_alone() -> None:
     assert designer.improve_morphology(slot(1, branch=1), history[0], history) != first
 
 
-def test_failures_and_worthless_bodies_in_the_history_do_no_harm() -> None:
+def test_failures_and_useless_morphologies_in_the_history_do_no_harm() -> None:
     known = TASKS["swimmer"]
     designer = OfflineDesigner(known, 1)
     bodies = start(designer, 8)
@@ -84,7 +84,7 @@ def test_failures_and_worthless_bodies_in_the_history_do_no_harm() -> None:
     assert known.check(designer.improve_morphology(slot(0), lame, [lame]).parameters)
 
 
-def test_a_body_that_diverged_keeps_the_next_step_away() -> None:
+def test_the_next_step_keeps_away_from_an_unstable_morphology() -> None:
     known = TASKS["swimmer"]
     designer = OfflineDesigner(known, 1)
     bowl = Bowl(known, known.reference)
@@ -105,7 +105,7 @@ def test_a_body_that_diverged_keeps_the_next_step_away() -> None:
     assert thickness([best, unstable]) > thickness([best]) + 0.02
 
 
-def test_steps_get_smaller_when_they_bring_nothing() -> None:
+def test_steps_get_smaller_after_failed_improvements() -> None:
     known = TASKS["swimmer"]
     designer = OfflineDesigner(known, 1)
     space = Bowl(known, known.reference).space
@@ -124,7 +124,7 @@ def test_steps_get_smaller_when_they_bring_nothing() -> None:
     assert max(sizes[2:]) < sizes[0]
 
 
-def test_a_body_is_not_praised_for_its_reward() -> None:
+def test_a_morphology_gets_no_credit_for_its_reward() -> None:
     known = TASKS["swimmer"]
     designer = OfflineDesigner(known, 1, "fitness")
     one, other = start(designer, 2)
@@ -135,9 +135,11 @@ def test_a_body_is_not_praised_for_its_reward() -> None:
         evaluation(known, one, poor, 1.0),
         evaluation(known, other, poor, 1.0),
     ]
-    _, values, counts = designer._refiner._evidence(history)
-    oddity = designer._refiner._prior.oddity(np.array([one.parameters, other.parameters]))
-    first, second = values - oddity
+    _, values, counts = designer._morphology_optimizer._training_data(history)
+    penalty = designer._morphology_optimizer._prior.penalty(
+        np.array([one.parameters, other.parameters])
+    )
+    first, second = values - penalty
     assert counts.tolist() == [2, 1]
     assert first - second < 0.5 * np.log(100)
 

@@ -5,16 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from measured import SWIMMER
 
-from robomore.designers.llm.designer import LLMDesigner, LLMSettings
-from robomore.llm import BudgetedClient, Exchange, MemoryLog, Message, Sampling
-from robomore.llm.replay import ReplayModel
-from robomore.rewards.check import Finding
 from robomore.rewards.dry_run import RANDOM_BODIES, SIMULATIONS, STEPS, DryRun
 from robomore.rewards.dry_run_findings import Rehearsed, Term, bodies, findings
 from robomore.tasks import TASKS, get_task
-from robomore.types import Slot
 
 CALLS = (RANDOM_BODIES + 1) * SIMULATIONS * STEPS
 PLAIN = {"speed": Term(1.0), "effort": Term(0.5)}
@@ -57,7 +51,7 @@ def test_what_is_found(changes: dict[str, object], severity: str, said: str) -> 
     assert said in found.message
 
 
-@pytest.mark.parametrize("task", TASKS.values(), ids=list(TASKS))
+@pytest.mark.parametrize("task", [get_task(name) for name in TASKS], ids=list(TASKS))
 def test_bodies_are_valid_and_the_same_every_time(task) -> None:
     first = bodies(task, RANDOM_BODIES)
     assert first == bodies(task, RANDOM_BODIES)
@@ -88,7 +82,7 @@ def test_the_reference_reward_passes(name: str, tmp_path: Path) -> None:
 def test_a_bad_reward_is_told_of_in_its_line(
     lines: list[str], line: int, said: str, tmp_path: Path
 ) -> None:
-    (found,) = DryRun(SWIMMER, tmp_path)(program(*lines))
+    (found,) = DryRun(get_task("swimmer"), tmp_path)(program(*lines))
     assert found.severity == "error" and said in found.message
     if "while" not in lines[0]:
         assert found.line == line
@@ -100,32 +94,5 @@ def test_every_call_of_a_good_reward_is_seen(tmp_path: Path) -> None:
         "effort = 0.1 * float(np.sum(action ** 2))",
         "return speed - effort, {'speed': speed, 'effort': -effort}",
     )
-    (found,) = DryRun(SWIMMER, tmp_path)(source)
+    (found,) = DryRun(get_task("swimmer"), tmp_path)(source)
     assert found.severity == "warning" and "'speed' dominates" in found.message
-
-
-def test_a_doubt_is_told_once_and_then_the_model_has_its_way() -> None:
-    source = program("return x_velocity, {'speed': x_velocity}")
-    doubt = Finding(1, "warning", "the term 'speed' dominates")
-    slot, tried = Slot("coarse", "reward", 0, 0), []
-
-    def rehearse(text: str) -> list[Finding]:
-        tried.append(text)
-        return [doubt]
-
-    log = MemoryLog()
-    kept = [_answer(slot, repair, f"```python\n{source}```") for repair in (0, 1)]
-    designer = LLMDesigner(
-        SWIMMER,
-        BudgetedClient(ReplayModel(MemoryLog(kept), "slot"), log),
-        LLMSettings(repairs=1),
-        rehearse=rehearse,
-    )
-    assert designer.propose_reward(slot, []).source.strip() == source.strip()
-    assert len(tried) == 2
-    assert [one.findings for one in log.all()] == [(f"line 1: {doubt.message}",), ()]
-
-
-def _answer(slot: Slot, repair: int, reply: str) -> Exchange:
-    asked = (Message("user", "a reward?"),)
-    return Exchange(f"key{repair}", slot, repair, "fake", asked, Sampling(), reply)

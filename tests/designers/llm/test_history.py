@@ -13,10 +13,10 @@ from robomore.designers.llm.history import (
     RULES,
     Entry,
     HistorySettings,
-    bodies,
     choose,
-    rewards,
-    tell,
+    morphology_entries,
+    reward_entries,
+    select,
 )
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
@@ -84,47 +84,47 @@ def test_an_unknown_rule_is_named() -> None:
         choose(LINE, HistorySettings(rule="best+wurst"))
 
 
-def test_a_body_is_one_entry_with_all_its_results() -> None:
+def test_a_morphology_is_one_entry_with_all_its_results() -> None:
     small, large = body(0.3, idea="small"), body(0.7)
     measured = grid([small, large], [reward(1), reward(2)])
-    entries = bodies(SWIMMER, "efficiency", reward(1), measured)
+    entries = morphology_entries(SWIMMER, "efficiency", reward(1), measured)
     assert len(entries) == 2
     assert entries[0].score == measured[1].efficiency
     text = entries[0].text
-    assert text.startswith("## Body 1\nParameters: front_length 0.3")
+    assert text.startswith("## Morphology 1\nParameters: front_length 0.3")
     assert "Idea: small" in text
     assert f"With the current reward: efficiency {measured[0].efficiency:.4g}" in text
     assert f"With another reward: efficiency {measured[1].efficiency:.4g}" in text
 
 
-def test_a_design_that_was_proposed_twice_is_told_once() -> None:
+def test_a_design_that_was_proposed_twice_is_shown_once() -> None:
     one = evaluation(body(0.3), reward(1), 5.0)
-    (told,) = bodies(SWIMMER, "efficiency", reward(1), [one, one])
-    assert told.text.count("With the current reward") == 1
+    (entry,) = morphology_entries(SWIMMER, "efficiency", reward(1), [one, one])
+    assert entry.text.count("With the current reward") == 1
 
 
 def test_a_reward_is_one_entry_with_all_its_results() -> None:
     few = [body(0.1 + i / 10) for i in range(9)]
     measured = grid(few, [reward(1), reward(2)])
-    entries = rewards("efficiency", few[3], measured)
+    entries = reward_entries("efficiency", few[3], measured)
     assert len(entries) == 2
     text = entries[1].text
     assert reward(2).source.strip() in text and text.startswith("## Reward 2")
-    assert f"On the current body: efficiency {measured[7].efficiency:.4g}" in text
-    assert "On another body, 8 times: efficiency" in text and "median" in text
+    assert f"With the current morphology: efficiency {measured[7].efficiency:.4g}" in text
+    assert "With another morphology, 8 times: efficiency" in text and "median" in text
 
 
-def test_an_entry_without_success_at_hand_tells_the_best_elsewhere_in_full() -> None:
+def test_an_entry_without_success_at_hand_describes_the_best_other_in_full() -> None:
     measured = [
         evaluation(body(0.3), reward(1), None),
         evaluation(body(0.5), reward(1), 1.0),
         evaluation(body(0.7), reward(1), 2.0),
     ]
-    (told,) = rewards("fitness", body(0.3), measured)
-    assert "On the current body: failed (reward-failed): line 3" in told.text
-    assert "On another body, its best: efficiency" in told.text
-    assert "(fitness 2 m" in told.text.split("its best")[1]
-    assert told.text.count("How it moved") == 1
+    (entry,) = reward_entries("fitness", body(0.3), measured)
+    assert "With the current morphology: failed (reward-failed): line 3" in entry.text
+    assert "With another morphology, its best: efficiency" in entry.text
+    assert "(fitness 2 m" in entry.text.split("its best")[1]
+    assert entry.text.count("How it moved") == 1
 
 
 def cut(one: Evaluation, steps: int) -> Evaluation:
@@ -138,22 +138,22 @@ def test_what_was_cut_short_says_so_and_stands_below_the_rest() -> None:
         cut(evaluation(body(0.7), reward(1), 95.0), 500),
         evaluation(body(0.9), reward(1), 7.0),
     ]
-    entries = bodies(SWIMMER, "fitness", reward(1), measured)
-    assert "m^3) after only 200 of 1,000 training steps" in entries[0].text
+    entries = morphology_entries(SWIMMER, "fitness", reward(1), measured)
+    assert "m³) after only 200 of 1,000 training steps" in entries[0].text
     assert "steps" not in entries[1].text
     assert choose(entries, HistorySettings(10_000, "best")) == [3, 1, 2, 0]
     assert choose(entries, HistorySettings(10_000, "worst")) == [0, 2, 1, 3]
 
 
-def test_a_body_counts_by_what_was_trained_longest() -> None:
+def test_a_morphology_counts_by_its_longest_training() -> None:
     mixed = [
         cut(evaluation(body(0.3), reward(1), 90.0), 200),
         evaluation(body(0.3), reward(2), 5.0),
     ]
-    (told,) = bodies(SWIMMER, "fitness", reward(3), mixed)
-    assert (told.score, told.steps) == (5.0, 1000)
-    assert "With another reward, its best: efficiency" in told.text
-    assert "(fitness 5 m" in told.text.split("its best")[1].split("\n")[0]
+    (entry,) = morphology_entries(SWIMMER, "fitness", reward(3), mixed)
+    assert (entry.score, entry.steps) == (5.0, 1000)
+    assert "With another reward, its best: efficiency" in entry.text
+    assert "(fitness 5 m" in entry.text.split("its best")[1].split("\n")[0]
 
 
 def test_many_results_are_summed_up_apart_by_their_steps() -> None:
@@ -162,49 +162,49 @@ def test_many_results_are_summed_up_apart_by_their_steps() -> None:
         cut(evaluation(one, reward(1), float(i)), 200 if i < 8 else 1000)
         for i, one in enumerate(few)
     ]
-    (told,) = rewards("fitness", body(2.9), measured)
-    assert "On another body, 7 times: efficiency" in told.text
-    assert "On another body, 8 times after only 200 of 1,000 training steps: " in told.text
-    assert "fitness 8 to 14, median" in told.text and "fitness 0 to 7, median" in told.text
+    (entry,) = reward_entries("fitness", body(2.9), measured)
+    assert "With another morphology, 7 times: efficiency" in entry.text
+    assert "With another morphology, 8 times after only 200 of 1,000 training steps: " in entry.text
+    assert "fitness 8 to 14, median" in entry.text and "fitness 0 to 7, median" in entry.text
 
 
 def test_failures_are_counted_and_quoted_once() -> None:
     measured = [evaluation(body(0.1 + i / 10), reward(1), None) for i in range(5)]
-    (told,) = rewards("efficiency", body(0.1), measured)
-    assert told.score is None
-    assert "On another body, 4 of 4 failed, for example:" in told.text
-    assert told.text.count(f"failed ({Status.REWARD_FAILED.value})") == 2
+    (entry,) = reward_entries("efficiency", body(0.1), measured)
+    assert entry.score is None
+    assert "With another morphology, 4 of 4 failed, for example:" in entry.text
+    assert entry.text.count(f"failed ({Status.REWARD_FAILED.value})") == 2
 
 
-def test_tracebacks_of_our_own_stay_here() -> None:
+def test_our_own_tracebacks_are_not_shown() -> None:
     ours = replace(
         evaluation(body(), reward(), None, 'Traceback: File "/home/me/robomore/evaluate.py"'),
         status=Status.FAILED,
     )
-    (told,) = bodies(SWIMMER, "efficiency", reward(), [ours])
-    assert "/home" not in told.text and "nothing to do with the design" in told.text
+    (entry,) = morphology_entries(SWIMMER, "efficiency", reward(), [ours])
+    assert "/home" not in entry.text and "nothing to do with the design" in entry.text
 
 
 def test_a_long_diagnosis_is_cut() -> None:
-    (told,) = bodies(
+    (entry,) = morphology_entries(
         SWIMMER, "efficiency", reward(), [evaluation(body(), reward(), None, "long " * 500)]
     )
-    assert len(told.text) < 700
+    assert len(entry.text) < 700
 
 
 @pytest.mark.parametrize("tokens", [0, 10, 100, 1000, 100_000])
-def test_what_is_said_of_the_choice_is_true(tokens: int) -> None:
+def test_the_sentence_on_the_selection_is_true(tokens: int) -> None:
     measured = [evaluation(body(0.1 + i / 50), reward(), i) for i in range(40)]
-    entries = bodies(SWIMMER, "efficiency", reward(), measured)
-    told = tell(entries, HistorySettings(tokens), "bodies")
-    shown = told.entries.count("## Body")
+    entries = morphology_entries(SWIMMER, "efficiency", reward(), measured)
+    selected = select(entries, HistorySettings(tokens), "morphologies")
+    shown = selected.entries.count("## Morphology")
     if shown == 40:
-        assert "all 40 bodies" in told.selection
+        assert "all 40 morphologies" in selected.selection
     else:
-        assert f"These are {shown} of the 40 bodies" in told.selection
-        assert all(words in told.selection for words in list(RULES.values())[:4])
-    assert estimate_tokens(told.entries) <= max(tokens, 10)
+        assert f"These are {shown} of the 40 morphologies" in selected.selection
+        assert all(words in selected.selection for words in list(RULES.values())[:4])
+    assert estimate_tokens(selected.entries) <= max(tokens, 10)
 
 
 def test_nothing_measured_yet() -> None:
-    assert "no bodies" in tell([], HistorySettings(), "bodies").selection
+    assert "no morphologies" in select([], HistorySettings(), "morphologies").selection

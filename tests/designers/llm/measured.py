@@ -1,21 +1,14 @@
-"""Evaluations made up for tests of designers."""
+"""Swimmers, rewards and evaluations for tests of the LLM designer."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
+import evaluations
+
 from robomore.tasks import Task, get_task
-from robomore.types import (
-    Design,
-    Evaluation,
-    Job,
-    Morphology,
-    Reward,
-    Status,
-    TermStatistics,
-    TrainerSettings,
-)
+from robomore.types import Evaluation, Morphology, Reward, Status, TermStatistics
 
 _BOUNDS = {"length": (0.05, 3.0), "radius": (0.005, 0.3)}
 SWIMMER = replace(
@@ -54,19 +47,16 @@ def evaluation(
     diagnosis: str = "line 3: division by zero",
     task: Task = SWIMMER,
 ) -> Evaluation:
-    """A success with `fitness`, or a failure with `diagnosis`."""
-    job = Job(task.id, Design(morphology, program), TrainerSettings(), 1000, 1, 0)
-    key = f"{morphology.parameters}{program.source}"
+    """Return a success with `fitness`, or a failure with `diagnosis`."""
     if fitness is None:
-        return Evaluation(key, job, Status.REWARD_FAILED, diagnosis)
-    volume = task.volume(morphology.parameters)
-    return Evaluation(
-        key,
-        job,
-        Status.OK,
-        fitness=fitness,
-        volume=volume,
-        efficiency=fitness / volume,
+        return evaluations.evaluation(
+            task, morphology, program, status=Status.REWARD_FAILED, diagnosis=diagnosis
+        )
+    return evaluations.evaluation(
+        task,
+        morphology,
+        program,
+        fitness,
         behaviour={"mean_speed_m_per_s": fitness / 50, "mean_height_m": 0.25},
         terms={"speed": TermStatistics(0.5, -0.25, 1.75)},
     )

@@ -1,4 +1,4 @@
-"""A made-up world for tests of improvement: fitness is known, and nothing is trained."""
+"""Evaluations for tests of designers. Nothing is trained: the fitness is given or computed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from robomore.designers.offline.space import UnitSpace
+from robomore.designers.unit_space import UnitSpace
 from robomore.tasks.task import Task
 from robomore.types import (
     Design,
@@ -29,13 +29,14 @@ def evaluation(
     fitness: float = 1.0,
     status: Status = Status.OK,
     behaviour: Mapping[str, float] | None = None,
-    terms: Mapping[str, float] | None = None,
+    terms: Mapping[str, TermStatistics] | None = None,
+    diagnosis: str = "it did not go well",
 ) -> Evaluation:
-    """An evaluation with `fitness`, or a failure; `terms` are means, all of them steady."""
+    """Return an evaluation with `fitness`, or a failure with `diagnosis`."""
     job = Job(task.id, Design(morphology, reward), TrainerSettings(), 1000, 1, 0)
     key = f"{morphology.parameters}{reward.source}"
     if status is not Status.OK:
-        return Evaluation(key, job, status, "it did not go well")
+        return Evaluation(key, job, status, diagnosis)
     volume = task.volume(morphology.parameters)
     return Evaluation(
         key,
@@ -45,12 +46,12 @@ def evaluation(
         volume=volume,
         efficiency=fitness / volume,
         behaviour=dict(behaviour or {}),
-        terms={name: TermStatistics(m, m - 0.1, m + 0.1) for name, m in (terms or {}).items()},
+        terms=dict(terms or {}),
     )
 
 
 class Bowl:
-    """Fitness that falls off with the distance to one body, in a task's unit cube."""
+    """Fitness that falls with the distance to one morphology in a task's unit cube."""
 
     def __init__(self, task: Task, summit: Sequence[float]) -> None:
         self.task = task

@@ -1,4 +1,4 @@
-"""A task's parameter box, each parameter stretched to [0, 1] in its own scale."""
+"""The unit cube of a task's parameters: each parameter on its own scale, stretched to [0, 1]."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from robomore.tasks.task import Task
 Array = NDArray[np.float64]
 
 DECIMALS = 5
-"""Of a proposed parameter: readable, and finer than training can tell apart."""
+"""Decimals of a proposed parameter. Training cannot tell finer differences apart."""
 
 
 class UnitSpace:
-    """Maps bodies to points of the unit cube and back.
+    """Maps parameter values to points of the unit cube and back.
 
-    Distances in this space are what "far apart" means: one step of the same size doubles a radius
-    wherever it starts, where the task declares the parameter's scale as logarithmic.
+    A parameter with a logarithmic scale is stretched logarithmically. So a step of one size doubles
+    such a parameter wherever it starts.
     """
 
     def __init__(self, task: Task) -> None:
@@ -32,28 +32,28 @@ class UnitSpace:
         self._start = self._stretch(self._low)
         self._width = self._stretch(self._high) - self._start
 
-    def units(self, bodies: Sequence[Sequence[float]] | Array) -> Array:
-        """Return points (n, size) of the unit cube for `bodies` (n, size) in the task's units."""
-        values = np.asarray(bodies, dtype=float).reshape(-1, self.size)
-        return (self._stretch(np.clip(values, self._low, self._high)) - self._start) / self._width
+    def units(self, values: Sequence[Sequence[float]] | Array) -> Array:
+        """Return the points (n, size) of the unit cube for parameter values (n, size)."""
+        rows = np.asarray(values, dtype=float).reshape(-1, self.size)
+        return (self._stretch(np.clip(rows, self._low, self._high)) - self._start) / self._width
 
     def values(self, units: Array) -> Array:
-        """Return bodies (n, size) in the task's units, rounded and within bounds."""
+        """Return the parameter values (n, size) of points, rounded and within the bounds."""
         stretched = self._start + np.clip(units, 0, 1) * self._width
         values = np.where(self._log, np.exp(np.where(self._log, stretched, 0)), stretched)
         return np.clip(np.round(values, DECIMALS), self._low, self._high)
 
-    def valid(self, bodies: Array) -> NDArray[np.bool_]:
-        """Return which of `bodies` (n, size) the task accepts, as (n,)."""
-        return np.array([self._accepts(body) for body in bodies], dtype=bool)
+    def valid(self, values: Array) -> NDArray[np.bool_]:
+        """Return which rows (n,) of the parameter values (n, size) the task accepts."""
+        return np.array([self._accepts(row) for row in values.tolist()], dtype=bool)
 
-    def volumes(self, bodies: Array) -> Array:
-        """Return the volume in m^3 of each of `bodies` (n, size), which must be valid."""
-        return np.array([self.task.volume(body) for body in bodies.tolist()])
+    def volumes(self, values: Array) -> Array:
+        """Return the volumes (n,) in m³ of valid parameter values (n, size)."""
+        return np.array([self.task.volume(row) for row in values.tolist()])
 
-    def _accepts(self, body: Array) -> bool:
+    def _accepts(self, values: Sequence[float]) -> bool:
         try:
-            self.task.check(body.tolist())
+            self.task.check(values)
         except InvalidMorphology:
             return False
         return True
@@ -63,7 +63,7 @@ class UnitSpace:
 
 
 def distances(points: Array, others: Array) -> Array:
-    """Return Euclidean distances (n, m) between `points` (n, size) and `others` (m, size)."""
+    """Return the Euclidean distances (n, m) between `points` (n, size) and `others` (m, size)."""
     square = (points**2).sum(1)[:, None] + (others**2).sum(1)[None, :] - 2 * points @ others.T
     root: Array = np.sqrt(np.maximum(square, 0))
     return root

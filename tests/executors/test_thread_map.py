@@ -1,4 +1,4 @@
-"""Calls side by side: their order, their errors, and how few are begun after one failed."""
+"""Calls in threads: their order, their errors, and how few start after one failed."""
 
 from __future__ import annotations
 
@@ -11,39 +11,39 @@ from collections.abc import Callable
 
 import pytest
 
-from robomore.executors import Threads
+from robomore.executors import thread_map
 
 
-def test_answers_keep_their_order_whoever_ends_first() -> None:
+def test_results_keep_the_order_of_the_calls() -> None:
     def call(number: int) -> Callable[[], int]:
         return lambda: (time.sleep(0.02 * (5 - number)), number)[1]
 
-    assert Threads(3)([call(number) for number in range(5)]) == [0, 1, 2, 3, 4]
-    assert Threads(3)([]) == []
+    assert thread_map(3)([call(number) for number in range(5)]) == [0, 1, 2, 3, 4]
+    assert thread_map(3)([]) == []
 
 
-@pytest.mark.parametrize("limit", [1, 3])
-def test_no_more_than_the_limit_are_under_way(limit: int) -> None:
-    lock, full, under_way, most = threading.Lock(), threading.Event(), 0, 0
+@pytest.mark.parametrize("max_workers", [1, 3])
+def test_at_most_max_workers_calls_run_at_once(max_workers: int) -> None:
+    lock, full, running, most = threading.Lock(), threading.Event(), 0, 0
 
     def call() -> None:
-        nonlocal under_way, most
+        nonlocal running, most
         with lock:
-            under_way += 1
-            most = max(most, under_way)
-            if under_way >= limit:
+            running += 1
+            most = max(most, running)
+            if running >= max_workers:
                 full.set()
         # Whoever comes early waits for the others, so that a slow machine shows as many.
         assert full.wait(10)
         time.sleep(0.02)
         with lock:
-            under_way -= 1
+            running -= 1
 
-    Threads(limit)([call] * 8)
-    assert most == limit
+    thread_map(max_workers)([call] * 8)
+    assert most == max_workers
 
 
-def test_the_earliest_error_is_raised_once_those_under_way_have_ended() -> None:
+def test_the_earliest_error_is_raised_after_the_running_calls_end() -> None:
     second_failed, ended, begun = threading.Event(), [], []
 
     def first() -> None:
@@ -61,7 +61,7 @@ def test_the_earliest_error_is_raised_once_those_under_way_have_ended() -> None:
         begun.append(3)
 
     with pytest.raises(ValueError, match="first"):
-        Threads(2)([first, second, third, third])
+        thread_map(2)([first, second, third, third])
     assert ended == [1] and 3 not in begun
 
 
@@ -69,10 +69,10 @@ def test_ctrl_c_does_not_wait_for_a_call_that_hangs() -> None:
     program = textwrap.dedent(
         """
         import _thread, threading, time
-        from robomore.executors import Threads
+        from robomore.executors import thread_map
         threading.Timer(0.3, _thread.interrupt_main).start()
         try:
-            Threads(2)([lambda: time.sleep(60)] * 2)
+            thread_map(2)([lambda: time.sleep(60)] * 2)
         except KeyboardInterrupt:
             print("stopped")
         """

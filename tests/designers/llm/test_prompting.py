@@ -29,13 +29,13 @@ from robomore.llm.tokens import estimate_tokens
 from robomore.tasks import TASKS, Task, get_task
 from robomore.types import Morphology, Reward
 
-EACH = pytest.mark.parametrize("task", TASKS.values(), ids=list(TASKS))
+EACH = pytest.mark.parametrize("task", [get_task(name) for name in TASKS], ids=list(TASKS))
 SWIMMER = get_task("swimmer")
 FILES = sorted(p.name for p in (resources.files("robomore.designers.llm") / "prompts").iterdir())
 
 
 def middle(task: Task) -> Morphology:
-    """A body that is not the human one."""
+    """A morphology that is not the reference."""
     return Morphology(tuple(1.01 * p.reference for p in task.parameters), "in between")
 
 
@@ -183,8 +183,7 @@ def test_improvement_shows_scores_terms_movement_and_failures(kind: str) -> None
     other = evaluation(first, reward(3), 1.5)
     told = text_of(SWIMMER, kind, best=best, measured=[best, failed, other])
     assert (
-        f"efficiency {best.efficiency:.4g} 1/m^2 (fitness 4 m, volume {best.volume:.4g} m^3)"
-        in told
+        f"efficiency {best.efficiency:.4g} m/m³ (fitness 4 m, volume {best.volume:.4g} m³)" in told
     )
     assert "speed 0.5 (-0.25 to 1.75)" in told
     assert "mean_speed_m_per_s 0.08" in told
@@ -205,7 +204,7 @@ def test_a_cut_history_says_so() -> None:
     told = text_of(
         SWIMMER, "improve-morphology", best=measured[-1], measured=measured, settings=settings
     )
-    assert re.search(r"These are \d of the 60 bodies that were measured", told)
+    assert re.search(r"These are \d of the 60 morphologies that were measured", told)
     assert "taken in turn (the best by score; the worst by score)" in told
 
 
@@ -236,13 +235,13 @@ def test_missing_and_unused_fields_are_errors() -> None:
     with pytest.raises(KeyError):
         render("repair")
     with pytest.raises(ValueError, match="no field extra"):
-        render("repair", faults="x", extra="y")
+        render("repair", errors="x", extra="y")
     assert "$" not in "".join(
-        text_of(task, kind) for task in TASKS.values() for kind in ("morphology", "reward")
+        text_of(task, kind) for task in map(get_task, TASKS) for kind in ("morphology", "reward")
     )
 
 
-def test_a_repair_names_every_fault() -> None:
+def test_a_repair_names_every_error() -> None:
     message = repair_message(["too long", "too short"])
     assert message.role == "user" and "- too long\n- too short" in message.text
 
@@ -251,15 +250,23 @@ def test_an_estimate_grows_with_the_search() -> None:
     def price(sent: int, received: int) -> float:
         return (sent + 4 * received) / 1e6
 
-    sizes = {"morphologies": 5, "rewards": 3, "branches": 2, "cycles": 2}
-    small = estimate(SWIMMER, LLMSettings(), price, **sizes)
-    large = estimate(SWIMMER, LLMSettings(), price, **(sizes | {"morphologies": 25}))
-    blind = estimate(SWIMMER, LLMSettings(diversity=False), price, **sizes)
+    few = {
+        ("propose", "morphology"): 5,
+        ("propose", "reward"): 3,
+        ("improve", "morphology"): 4,
+        ("improve", "reward"): 4,
+    }
+    many = few | {("propose", "morphology"): 25}
+    small = estimate(SWIMMER, LLMSettings(), price, proposals=few)
+    large = estimate(SWIMMER, LLMSettings(), price, proposals=many)
+    blind = estimate(SWIMMER, LLMSettings(diversity=False), price, proposals=few)
     assert 16 <= small.requests < large.requests
     assert blind.input_tokens < small.input_tokens < large.input_tokens
     assert small.cost == pytest.approx(price(small.input_tokens, small.output_tokens))
     assert "about $" in str(small)
-    assert "no known price" in str(estimate(SWIMMER, LLMSettings(), lambda i, o: None, **sizes))
+    assert "no known price" in str(
+        estimate(SWIMMER, LLMSettings(), lambda i, o: None, proposals=few)
+    )
     prompt = estimate_tokens(text_of(SWIMMER, "morphology"))
     assert small.input_tokens > 5 * prompt
 
