@@ -28,9 +28,9 @@ from robomore.llm import BudgetedClient, MemoryLog, ReplayModel, Spending
 from robomore.rendering.snapshots import pictures
 from robomore.report import write_report
 from robomore.rewards.dry_run import DryRun
-from robomore.sandbox.contain import Containment
-from robomore.sandbox.layers import ensure, missing
-from robomore.sandbox.lock import Layer
+from robomore.sandbox.call import Containment
+from robomore.sandbox.layers import ensure
+from robomore.sandbox.restrictions import Layer, missing
 from robomore.search import final, robomore
 from robomore.settings import RunSettings, preset
 from robomore.store import LedgerExchanges, Manifest, RunFolder, open_or_recover, package_versions

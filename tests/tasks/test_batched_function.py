@@ -13,7 +13,7 @@ from robomore.envs.batched.function import BatchedFunction, batched_function
 from robomore.envs.batched.run import Refused, Run
 from robomore.envs.batched.value import Batched
 from robomore.envs.reward_text import reward_function
-from robomore.sandbox import heartbeat as pulse
+from robomore.sandbox import heartbeat
 
 
 def prepared(body: str, before: str = "") -> tuple[BatchedFunction, Run]:
@@ -142,8 +142,8 @@ def test_calls_are_counted_for_the_watching_parent(monkeypatch: pytest.MonkeyPat
             marks.append(mark)
 
     slots = Slots([0])
-    monkeypatch.setattr(pulse, "_slots", slots)
-    watched = pulse.watch(reward_function(program("return 2 * max(x_velocity, 2.0), {}")))
+    monkeypatch.setattr(heartbeat, "_slots", slots)
+    watched = heartbeat.watch(reward_function(program("return 2 * max(x_velocity, 2.0), {}")))
     run = Run()
     run.width = 2
     function = batched_function(watched, run)

@@ -1,0 +1,1 @@
+"""Contract checks that plug-in authors run in their own tests."""
