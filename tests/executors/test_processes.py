@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from robomore.executors import Done, Failed, Outcome, Processes
+from robomore.executors import Done, Failed, Outcome
+from robomore.executors.processes import Processes
 
 
 @pytest.fixture

@@ -8,8 +8,10 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 
 import pytest
 
-from robomore.executors import Done, Executor, Failed, Inline, Outcome, Processes
+from robomore.executors import Done, Executor, Failed, Outcome
 from robomore.executors.executor import Progress, never
+from robomore.executors.inline import Inline
+from robomore.executors.processes import Processes
 from robomore.testing.executors import check_executor
 
 
@@ -27,6 +29,7 @@ class Broken(Inline):
     def __init__(
         self, change: Change = lambda outcomes: outcomes, silent: bool = False, deaf: bool = False
     ) -> None:
+        super().__init__()
         self.change, self.silent, self.deaf = change, silent, deaf
 
     def map(

@@ -12,7 +12,9 @@ from robomore.executors.executor import Done, Failed, Outcome, Progress, load_fu
 class Inline:
     """Runs jobs in the calling process. It cannot end a job early, so `timeout` has no effect."""
 
-    workers = 1
+    def __init__(self, workers: int = 1) -> None:
+        """Run one job at a time, whatever `workers` says."""
+        self.workers = 1
 
     def map(
         self,
