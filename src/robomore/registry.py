@@ -82,6 +82,9 @@ class Registry(Generic[T]):
     def __contains__(self, name: object) -> bool:
         return name in self._items or name in self._plugins
 
+    def __len__(self) -> int:
+        return len(self.names())
+
     def __iter__(self) -> Iterator[str]:
         return iter(self.names())
 

@@ -122,13 +122,13 @@ class Evaluator:
         with closing(self._trained(jobs, lambda index, steps: None)) as trained:
             for again, policy in trained:
                 before = lost[again.key]
-                self._keep_policy(again, policy)
                 if again.episode_fitness != before.episode_fitness:
                     raise RunFolderError(
                         f"{self.folder.artifacts / before.artifact} has no policy that can be "
                         f"read, and training it again gave a fitness of {again.fitness} m in the "
                         f"place of {before.fitness} m; restore it from a copy"
                     )
+                self._keep_policy(again, policy)
 
     def _has_policy(self, evaluation: Evaluation) -> bool:
         try:
