@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 log = logging.getLogger(__name__)
 
 INDEX = "checkpoint.json"
-VERSION = 2
+VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Checkpoint:
     Attributes:
         facts: JSON values.
         arrays: of the trainer, by name.
-        environment: what `VectorEnvProtocol.state` returned.
+        environment: what `TrainingEnv.state` returned.
     """
 
     facts: dict[str, Any]
