@@ -51,7 +51,7 @@ def main() -> None:
     for robot in given.robots:
         ours, theirs = [], []
         for seed in range(given.seeds):
-            body = get_task(robot).human
+            body = get_task(robot).reference
             course = Course(
                 robot, "human", body, seed, TrainerSettings("crossq", SAME), given.steps, EVERY
             )
@@ -73,7 +73,7 @@ def sbx_curve(robot: str, seed: int, steps: int) -> list[float]:
     import sbx
 
     task = get_task(robot)
-    _, environment = open_trainer(task, task.human, TrainerSettings("crossq", SAME))
+    _, environment = open_trainer(task, task.reference, TrainerSettings("crossq", SAME))
     model = sbx.CrossQ(
         "MlpPolicy",
         LibraryEnvironment(environment, derive_seed(seed, robot, "sbx")),
@@ -89,7 +89,7 @@ def sbx_curve(robot: str, seed: int, steps: int) -> list[float]:
     for number in range(steps // EVERY):
         model.learn(EVERY, reset_num_timesteps=not number)
         policy = policy_of(model)
-        found.append(measure(task, task.human, policy, EPISODES, seed).fitness)
+        found.append(measure(task, task.reference, policy, EPISODES, seed).fitness)
     return found
 
 

@@ -105,13 +105,13 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
     task, settings = get_task(options.task), preset(options.preset)
     job = Job(
         task.id,
-        Design(Morphology(task.human), Reward(task.reward)),
+        Design(Morphology(task.reference), Reward(task.reward)),
         settings.trainer,
         steps=options.steps or settings.candidate.steps,
         episodes=1,
         seed=0,
     )
-    robot = VectorEnv(task, task.human, 1)
+    robot = VectorEnv(task, task.reference, 1)
     shape = Shape(job.trainer, robot.observation_size, robot.action_size)
     compiled = compiled_trainer(shape, Containment.STRICT)
     extra = {CACHE_VARIABLE: str(compiled)} if compiled else {}

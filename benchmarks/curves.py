@@ -97,10 +97,10 @@ def body_of(robot: str, body: str) -> tuple[float, ...]:
     """Return the human body, or a slim one: its radii cut to `SLIM`, as far as bounds go."""
     task = get_task(robot)
     if body == "human":
-        return task.human
+        return task.reference
     return task.check(
         [
-            max(p.low, SLIM * p.human) if p.name.endswith("_radius") else p.human
+            max(p.low, SLIM * p.reference) if p.name.endswith("_radius") else p.reference
             for p in task.parameters
         ]
     )

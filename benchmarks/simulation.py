@@ -35,8 +35,8 @@ STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 def measure(robot: str, n: int, steps: int, batched: bool = True) -> list[float]:
     """Return microseconds per simulation and control step: bare, without and with reward."""
     task = get_task(robot)
-    led = VectorEnv(task, task.human, n, reward_function(task.reward), batched=batched)
-    unpaid = VectorEnv(task, task.human, n)
+    led = VectorEnv(task, task.reference, n, reward_function(task.reward), batched=batched)
+    unpaid = VectorEnv(task, task.reference, n)
     bare = [mujoco.MjData(led.model) for _ in range(n)]
     model, frame_skip = led.model, led.environment.frame_skip
     row = np.empty(mujoco.mj_stateSize(model, STATE))

@@ -49,7 +49,7 @@ def main() -> None:
             Course(
                 robot,
                 "human",
-                get_task(robot).human,
+                get_task(robot).reference,
                 seed,
                 trainer,
                 given.steps,
@@ -86,7 +86,7 @@ def sb3_milliseconds(robot: str) -> float:
     times = []
     for steps in (SHORT, LONG):
         settings = TrainerSettings("sb3", {"learning_starts": WARM_UP})
-        trainer, environment = open_trainer(get_task(robot), get_task(robot).human, settings)
+        trainer, environment = open_trainer(get_task(robot), get_task(robot).reference, settings)
         began = time.process_time()
         trainer.train(environment, steps, seed=0)
         times.append(time.process_time() - began)

@@ -53,7 +53,7 @@ class FakeRun:
         """Return the human body with its radii multiplied by `shrink`."""
         return Morphology(
             tuple(
-                max(p.low, p.human * shrink) if "radius" in p.name else p.human
+                max(p.low, p.reference * shrink) if "radius" in p.name else p.reference
                 for p in self.task.parameters
             ),
             idea,
@@ -131,7 +131,9 @@ class FakeRun:
 
     def final(self, best: Design, fitness: tuple[float, ...] = (12.0, 13.0, 14.0)) -> None:
         """Retrain champion and human design, and end the run."""
-        human = Design(Morphology(self.task.human, "the official robot"), Reward(self.task.reward))
+        human = Design(
+            Morphology(self.task.reference, "the official robot"), Reward(self.task.reward)
+        )
         champion = [
             self.add(best, Place(stage="final", changed="champion", repeat=r), value)
             for r, value in enumerate(fitness, 1)

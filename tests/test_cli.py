@@ -196,7 +196,7 @@ def test_run_passes_on_what_was_asked_and_prints_the_outcome(
 
 
 def evaluation(status: Status = Status.OK) -> Evaluation:
-    design = Design(Morphology(get_task("swimmer").human), Reward(get_task("swimmer").reward))
+    design = Design(Morphology(get_task("swimmer").reference), Reward(get_task("swimmer").reward))
     job = Job("swimmer", design, TrainerSettings(), 1_000, 2, 0)
     if status is not Status.OK:
         return Evaluation("key", job, status, "line 3: NameError")
@@ -224,7 +224,7 @@ def test_evaluate_keeps_a_design_that_can_be_named_again(
     out = tmp_path / "mine"
     assert robomore_("evaluate", "swimmer", "--out", out).status == 0
     data = robomore_("inspect", "swimmer", "--parameters", out / "design.json", "--json").json
-    assert list(data["parameters"].values()) == list(get_task("swimmer").human)
+    assert list(data["parameters"].values()) == list(get_task("swimmer").reference)
     assert "is not empty" in robomore_("evaluate", "swimmer", "--out", out).err
 
 

@@ -148,7 +148,7 @@ def test_the_example_task_is_a_sound_robot(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.syspath_prepend(folder)
     eel = getattr(importlib.import_module(module), name)
 
-    facts = body_facts(eel, eel.human)
+    facts = body_facts(eel, eel.reference)
     # Of MuJoCo's default density, so that volume and template check each other.
     assert facts["mass"] == pytest.approx(1000 * facts["volume"])
     assert eel.rules[0].violation({"head_radius": 0.1, "tail_radius": 0.2})

@@ -44,7 +44,7 @@ SETTINGS = LLMSettings(repairs=1)
 
 def body(scale: float) -> tuple[str, str]:
     values = {
-        p.name: round(p.human * (scale if p.name.endswith("radius") else 1.0), 5)
+        p.name: round(p.reference * (scale if p.name.endswith("radius") else 1.0), 5)
         for p in get_task("swimmer").parameters
     }
     said = {"parameters": values, "description": f"{scale:g} times as thick"}

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 
 import msgspec
 
 from robomore.evaluation.request import Request
 from robomore.executors import Done, Outcome
-from robomore.executors.executor import Progress
+from robomore.executors.executor import Progress, never
 from robomore.tasks import get_task
 from robomore.types import Evaluation, Status, TermStatistics
 
@@ -24,9 +24,16 @@ class Untrained:
         self.workers = workers
 
     def map(
-        self, function: str, payloads: Sequence[bytes], progress: Progress, timeout: float
+        self,
+        function: str,
+        payloads: Sequence[bytes],
+        progress: Progress,
+        timeout: float,
+        should_stop: Callable[[], bool] = never,
     ) -> Generator[tuple[int, Outcome]]:
         for index, payload in enumerate(payloads):
+            if should_stop():
+                return
             progress(index, 0)
             time.sleep(self.seconds)
             request = msgspec.json.decode(payload, type=Request)

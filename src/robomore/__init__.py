@@ -1,29 +1,64 @@
-"""RoboMoRe: co-design of robot bodies and rewards, proposed, trained in MuJoCo, and refined.
+"""RoboMoRe: co-design of robot morphology and reward, proposed, trained in MuJoCo, and refined.
 
-`Task` (what is to be done, and the parametrised robot), `Morphology` (its numbers), `Reward`
-(program text), `Design` (a body and a reward, the unit that is trained) and `Evaluation` (what
-training gave) are the five nouns. A `Designer` proposes, an `Evaluator` measures, a `Search`
-decides, a `Ledger` remembers, a `Report` shows.
+A `Task` says what is to be done and which dimensions of its robot are free. A `Morphology` (numbers)
+and a `Reward` (program text) make a `Design`, the unit that is trained; what training gave is an
+`Evaluation`. A designer proposes, a search method decides, and what they leave behind is a `Run`.
 
-    from robomore import evaluate, get_task, run
+    import robomore
 
-    get_task("ant").volume(get_task("ant").human)
-    result = run("swimmer", "quick", seed=1)
+    run = robomore.run("half-cheetah", "quick", seed=0)
+    run.champion.efficiency     # m/m³, over the training seeds of the final
+    run.to_dataframe()          # one row an evaluation
+    robomore.compare([run, "runs/another"]).to_dataframe()
 """
 
 from __future__ import annotations
 
 import importlib
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from robomore.experiment import evaluate, run
+    from robomore.runs import Comparison, Run, compare, load_run
+    from robomore.settings import RunSettings, preset
+    from robomore.tasks import TASKS, Task, get_task
+    from robomore.types import Design, Evaluation, Morphology, Reward
 
 __version__ = "0.1.0"
 
-__all__ = ["TASKS", "evaluate", "get_task", "run"]
+__all__ = [
+    "TASKS",
+    "Comparison",
+    "Design",
+    "Evaluation",
+    "Morphology",
+    "Reward",
+    "Run",
+    "RunSettings",
+    "Task",
+    "compare",
+    "evaluate",
+    "get_task",
+    "load_run",
+    "preset",
+    "run",
+]
 
 _HOMES = {
     "TASKS": "robomore.tasks",
+    "Task": "robomore.tasks",
     "get_task": "robomore.tasks",
+    "Design": "robomore.types",
+    "Evaluation": "robomore.types",
+    "Morphology": "robomore.types",
+    "Reward": "robomore.types",
+    "RunSettings": "robomore.settings",
+    "preset": "robomore.settings",
+    "Comparison": "robomore.runs",
+    "Run": "robomore.runs",
+    "compare": "robomore.runs",
+    "load_run": "robomore.runs",
     "evaluate": "robomore.experiment",
     "run": "robomore.experiment",
 }
@@ -34,6 +69,10 @@ def __getattr__(name: str) -> Any:
     if name in _HOMES:
         return getattr(importlib.import_module(_HOMES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
 
 
 if "gymnasium" in sys.modules:

@@ -50,6 +50,10 @@ class BudgetExhausted(RoboMoReError):
     """A request, token or cost budget is spent; the run stops cleanly and can be resumed."""
 
 
+class TimeLimitReached(RoboMoReError):
+    """The run's time is up: nothing new is started, and everything finished is in the ledger."""
+
+
 class Interrupted(RoboMoReError):
     """The user stopped the run (Ctrl-C); everything finished so far is in the ledger."""
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from robomore.plan import Plan
 from robomore.settings import RunSettings
 from robomore.types import Evaluation, Place, Slot
 
@@ -18,24 +19,30 @@ class RunBegan:
     Attributes:
         task: id of the task.
         preset: name of the settings.
-        settings: what the preset stands for.
-        designer: name of the designer.
+        settings: what the preset stands for, the method's name among it.
+        plan: the stages to come, the final among them.
+        designer: name of the designer; empty for a method that asks none.
         provenance: one plain sentence on what makes the proposals.
         seed: of the run.
         workers: evaluations that may go on side by side.
         folder: where everything is written.
-        containment: how a stranger's code is kept in, and by which layers.
+        containment: how untrusted code is kept in, and by which layers.
+        budget_steps: control steps of training that the search may use; `None` for no bound.
+        time_limit: wall-clock seconds after which nothing new is started; `None` for no bound.
     """
 
     task: str
     preset: str
     settings: RunSettings
+    plan: Plan
     designer: str
     provenance: str
     seed: int
     workers: int
     folder: Path
     containment: str = ""
+    budget_steps: int | None = None
+    time_limit: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

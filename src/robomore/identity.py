@@ -30,14 +30,15 @@ def job_key(job: Job, versions: dict[str, str]) -> str:
 
     A one-line idea describes a design and does not change it, so it is no part of the key.
     """
-    design = (job.design.morphology.parameters, job.design.reward.source)
-    trainer = (job.trainer.name, job.trainer.options)
-    return content_key(job.task, design, trainer, job.steps, job.episodes, job.seed, versions)
+    return content_key(*_training(job), job.steps, job.episodes, versions)
 
 
 def training_key(job: Job, versions: dict[str, str]) -> str:
     """Key of a training run whatever its budget: what a checkpoint is continued under."""
+    return content_key(*_training(job), versions)
+
+
+def _training(job: Job) -> tuple[Any, ...]:
     design = (job.design.morphology.parameters, job.design.reward.source)
-    return content_key(
-        job.task, design, (job.trainer.name, job.trainer.options), job.seed, versions
-    )
+    trainer = (job.trainer.name, job.trainer.options)
+    return job.task, job.task_key, design, trainer, job.seed

@@ -2,61 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, Literal, TypeVar
+
+import msgspec
 
 from robomore.errors import InputError
-from robomore.types import TrainerSettings
+from robomore.types import MethodSettings, TrainerSettings
 
+T = TypeVar("T")
 
-@dataclass(frozen=True, slots=True)
-class Rung:
-    """A stop on the way to a candidate's full training, where the worst are cut."""
-
-    share: float
-    """Of the full steps that everyone still in the race is trained for."""
-    kept: float
-    """Share of the grid's pairs that go on from here; at least one does."""
-
-
-@dataclass(frozen=True, slots=True)
-class Screening:
-    """How training is kept for the pairs of the grid that deserve it (`search/screening.py`)."""
-
-    rungs: tuple[Rung, ...] = (Rung(share=0.2, kept=0.25), Rung(share=0.4, kept=0.1))
-    """Rising shares of training; what is kept at the last one is trained to the end."""
-    prefilter_fraction: float = 0.4
-    """Share of the bodies, worst under the reference reward at the first rung, that get fewer
-    rewards tried; 0 treats all alike and saves that look."""
-    prefiltered_rewards: int = 1
-    """Rewards tried on each of those, the first ones proposed."""
-
-
-SCREENINGS: dict[str, Screening | None] = {"halving": Screening(), "none": None}
-"""Ways to screen by name."""
-
-
-@dataclass(frozen=True, slots=True)
-class SearchSettings:
-    """Sizes of the search (paper, Table 4) and what it optimises."""
-
-    morphologies: int = 25
-    """Rows of the coarse grid (N_M)."""
-    rewards: int = 5
-    """Columns of the coarse grid (N_R)."""
-    survivors: float = 0.05
-    """Share of the grid that the fine stage starts from (k); at least one design."""
-    screening: Screening | None = None
-    """How the grid is thinned out on the way; `None` trains every pair to the end (the paper)."""
-    max_cycles: int = 10
-    """Bound on the fine stage's cycles. The paper stops only when a cycle improved nothing."""
-    objective: Literal["efficiency", "fitness"] = "efficiency"
-    """What is compared. The paper optimises efficiency."""
-    finalists: int = 1
-    """How many of the best designs are retrained for the final comparison; the paper takes one."""
-    repeats: int = 4
-    """Training seeds of each finalist and of the human design. The paper says four."""
+Objective = Literal["efficiency", "fitness"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,64 +22,87 @@ class Budget:
     """How much training and measuring one evaluation gets."""
 
     steps: int
-    """Control steps of training, over all simulations together."""
+    """Control steps of training, over all environments together."""
     episodes: int = 10
     """Episodes of the measurement, each with its own seed."""
+
+
+@dataclass(frozen=True, slots=True)
+class FinalSettings(Budget):
+    """The last comparison, which is the same for every method (`robomore.search.final`)."""
+
+    finalists: int = 1
+    """How many of the best designs are trained anew; the paper takes one."""
+    seeds: int = 5
+    """Training seeds of each design in the final. The paper says four; fewer than five seeds give
+    no interval."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunSettings:
     """All that decides a run's numbers, but for task, designer and seed."""
 
-    search: SearchSettings
+    method: MethodSettings
+    """Which search decides what is tried, and its options."""
     trainer: TrainerSettings
+    """Which algorithm trains the policies, and its options."""
     candidate: Budget
     """What every candidate of the search gets."""
-    final: Budget
-    """What the finalists and the human design get, once for each training seed."""
+    final: FinalSettings
+    """What the finalists and the reference design get, once for each training seed."""
+    evaluations: int
+    """About how many full trainings a search may use. Methods that are not told a size take it."""
+    objective: Objective = "efficiency"
+    """What is compared. The paper optimises efficiency."""
+
+
+ROBOMORE = "robomore"
+"""The method of the paper, which is the presets' own."""
 
 
 def smoke() -> RunSettings:
-    """Plumbing in under a minute: every stage runs, nothing learns much."""
+    """Checks in about a minute that everything works; nothing learns much."""
+    sizes = {"morphologies": 2, "rewards": 2, "survivors": 0.25, "max_cycles": 1}
     return RunSettings(
-        search=SearchSettings(
-            morphologies=2, rewards=2, survivors=0.25, max_cycles=1, finalists=1, repeats=1
-        ),
+        method=MethodSettings(ROBOMORE, sizes),
         trainer=TrainerSettings("crossq", {"learning_starts": 512}),
         candidate=Budget(steps=2_048, episodes=2),
-        final=Budget(steps=2_048, episodes=2),
+        final=FinalSettings(steps=2_048, episodes=2, seeds=1),
+        evaluations=4,
     )
 
 
 def quick() -> RunSettings:
-    """About five minutes on two cores, with a result worth looking at."""
+    """Some minutes on two cores, with a result worth looking at."""
+    sizes = {"morphologies": 4, "rewards": 3, "survivors": 0.1, "max_cycles": 2}
     return RunSettings(
-        search=SearchSettings(
-            morphologies=5, rewards=3, survivors=0.1, max_cycles=2, finalists=1, repeats=2
-        ),
+        method=MethodSettings(ROBOMORE, sizes),
         trainer=TrainerSettings("crossq"),
         candidate=Budget(steps=30_000, episodes=5),
-        final=Budget(steps=30_000, episodes=10),
+        final=FinalSettings(steps=30_000, episodes=10),
+        evaluations=16,
     )
 
 
 def standard() -> RunSettings:
     """The paper's 25 x 5 grid, screened, with a trainer that needs about a minute of one core."""
     return RunSettings(
-        search=SearchSettings(screening=Screening(), finalists=2, repeats=3),
+        method=MethodSettings(ROBOMORE, {"screening": "halving"}),
         trainer=TrainerSettings("crossq"),
         candidate=Budget(steps=150_000, episodes=10),
-        final=Budget(steps=300_000, episodes=20),
+        final=FinalSettings(steps=300_000, episodes=20, finalists=2),
+        evaluations=72,
     )
 
 
 def paper() -> RunSettings:
     """The paper's budget: 5e5 steps a candidate, 1e6 for the winner, 100 episodes."""
     return RunSettings(
-        search=SearchSettings(),
+        method=MethodSettings(ROBOMORE, {"reference_reward": "out"}),
         trainer=TrainerSettings("crossq"),
         candidate=Budget(steps=500_000, episodes=100),
-        final=Budget(steps=1_000_000, episodes=100),
+        final=FinalSettings(steps=1_000_000, episodes=100),
+        evaluations=160,
     )
 
 
@@ -133,18 +114,27 @@ PRESETS: dict[str, Callable[[], RunSettings]] = {
 }
 
 
+def preset(name: str) -> RunSettings:
+    """Return the settings of a preset.
+
+    Raises:
+        InputError: there is no preset of that name.
+    """
+    if name not in PRESETS:
+        raise InputError(f"no preset is called {name!r}; choose one of {', '.join(PRESETS)}")
+    return PRESETS[name]()
+
+
 def with_trainer(
-    settings: RunSettings,
-    name: str | None = None,
-    options: Mapping[str, Any] = {},
+    settings: RunSettings, name: str | None = None, options: Mapping[str, Any] = {}
 ) -> RunSettings:
     """Return `settings` with another trainer, or with other options for the one they have.
 
-    Options belong to an algorithm: another one than that of `settings` starts from its own
-    defaults, and what `settings` say of the old one is dropped.
+    Options belong to an algorithm: another one starts from its own defaults, and what `settings`
+    say of the old one is dropped.
 
     Args:
-        settings: a preset, say.
+        settings: a preset, for example.
         name: of an algorithm (`robomore.training.settings`); `None` for that of `settings`.
         options: fields of the algorithm's settings by name.
     """
@@ -155,12 +145,54 @@ def with_trainer(
     return replace(settings, trainer=trainer)
 
 
-def preset(name: str) -> RunSettings:
-    """Return the settings of a preset.
+def with_method(
+    settings: RunSettings, name: str | None = None, options: Mapping[str, Any] = {}
+) -> RunSettings:
+    """Return `settings` with another search method, or with other options for theirs.
+
+    Args:
+        settings: a preset, for example.
+        name: of a method (`robomore methods` lists them); `None` for that of `settings`.
+        options: fields of the method's settings by name.
+    """
+    method = settings.method
+    if name is not None and name != method.name:
+        method = MethodSettings(name)
+    method = replace(method, options={**method.options, **options})
+    return replace(settings, method=method)
+
+
+def with_steps(settings: RunSettings, steps: int) -> RunSettings:
+    """Return `settings` with other steps a candidate; the final's change by the same factor."""
+    factor = steps / settings.candidate.steps
+    return replace(
+        settings,
+        candidate=replace(settings.candidate, steps=steps),
+        final=replace(settings.final, steps=round(settings.final.steps * factor)),
+    )
+
+
+def from_options(cls: type[T], options: Mapping[str, Any], owner: str) -> T:
+    """Return a settings class filled with options by name; the rest keeps its defaults.
+
+    Args:
+        cls: a frozen dataclass whose fields all have defaults, with msgspec constraints.
+        options: values by field name, as JSON gives them.
+        owner: whose options they are, for messages: `method robomore`.
 
     Raises:
-        InputError: there is no preset of that name.
+        InputError: naming an unknown option, or a value of the wrong kind or out of range.
     """
-    if name not in PRESETS:
-        raise InputError(f"unknown preset {name!r}; choose one of {', '.join(PRESETS)}")
-    return PRESETS[name]()
+    known = [field.name for field in fields(cls)]  # type: ignore[arg-type]
+    if unknown := sorted(set(options) - set(known)):
+        raise InputError(
+            f"{owner} has no option {', '.join(map(repr, unknown))}; "
+            f"it takes {', '.join(known) or 'none'}"
+        )
+    for name, value in options.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(f"{owner}: {name} = {value} is not a finite number")
+    try:
+        return msgspec.convert({**asdict(cls()), **options}, cls)  # type: ignore[call-overload]
+    except msgspec.ValidationError as error:
+        raise InputError(f"{owner}: {error}") from None

@@ -72,6 +72,18 @@ class TrainerSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class MethodSettings:
+    """Which search method decides what is tried, and with what.
+
+    `options` overrides single fields of the method's own settings class by name
+    (`robomore methods` lists them).
+    """
+
+    name: str = "robomore"
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Limits:
     """What one evaluation may use before it is stopped. Not part of its identity."""
 
@@ -101,6 +113,8 @@ class Job:
         episodes: episodes of the final measurement, each with its own seed.
         seed: seeds training; the measurement derives its own seeds from it.
         limits: when to give up.
+        task_key: content key of the task itself (`robomore.tasks.fingerprint`), so that an edited
+            task is another task. A worker refuses a job whose task it knows with another key.
     """
 
     task: str
@@ -110,6 +124,7 @@ class Job:
     episodes: int
     seed: int
     limits: Limits = Limits()
+    task_key: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +134,21 @@ class TermStatistics:
     mean: float
     low: float
     high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """How a training went, in some 50 points whatever its length.
+
+    Attributes:
+        steps: control steps done at each point, rising.
+        series: name -> one value a point, `None` where there is none yet: `episode_return`,
+            `episode_length`, `term/NAME` (mean of a reward term), `loss/NAME`, `alpha` (weight of
+            the entropy).
+    """
+
+    steps: tuple[int, ...]
+    series: dict[str, tuple[float | None, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +170,9 @@ class Evaluation:
         steps: control steps of training done.
         seconds: core-seconds spent (training and measurement).
         artifact: folder of the trained policy, relative to the run folder; empty if none.
-        notes: facts worth keeping that are no failure ("reward ran once per simulation").
+        notes: facts worth keeping that are no failure ("the physics diverged in 1 episode").
+        curve: how training went; `None` where nothing was trained, and where it is read apart
+            (`Ledger.curve`).
     """
 
     key: str
@@ -158,6 +190,7 @@ class Evaluation:
     seconds: float = 0.0
     artifact: str = ""
     notes: tuple[str, ...] = ()
+    curve: Curve | None = None
 
     @property
     def design(self) -> Design:
@@ -189,24 +222,22 @@ class Slot:
     so that two identical prompts in two places stay two exchanges.
 
     Attributes:
-        stage: `coarse` or `fine`.
-        kind: `morphology` or `reward`.
-        branch: which fine branch, 0 in the coarse stage.
-        index: position among the proposals of its stage, branch and kind.
-        attempt: 0, or how many fresh proposals came before it in the same place.
+        stage: name of a stage in the method's plan.
+        kind: what is proposed, `morphology` or `reward`.
+        index: position among the proposals of its stage and kind, counted from 0.
+        improves: whether it improves on something that was measured.
+        attempt: 0, or how many failed proposals came before it in the same place.
     """
 
     stage: str
     kind: str
-    branch: int
-    index: int
+    index: tuple[int, ...]
+    improves: bool = False
     attempt: int = 0
 
     def __str__(self) -> str:
-        """In words, counted from one: `coarse morphology 3`, `fine reward 2 of branch 1`."""
-        if self.stage == "fine":
-            return f"fine {self.kind} {self.index} of branch {self.branch + 1}"
-        return f"{self.stage} {self.kind} {self.index + 1}"
+        """In words, counted from one: `coarse morphology 3`, `fine reward 1.2`."""
+        return f"{self.stage} {self.kind} {'.'.join(str(i + 1) for i in self.index)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,21 +245,17 @@ class Place:
     """Where in a run an evaluation was asked for; several places may share one evaluation.
 
     Attributes:
-        stage: `coarse`, `fine` or `final`.
-        morphology: coarse: row of the grid.
-        reward: coarse: column of the grid.
-        branch: fine: which survivor; final: which finalist, in the order of the search's scores.
-        cycle: fine: 1, 2, …; 0 for what the branch starts from.
-        changed: fine: `morphology` or `reward`; final: `champion` or `human`.
+        stage: name of a stage in the run's plan (`robomore.plan`).
+        index: position in that stage, counted from 0 along the stage's axes.
+        changed: what is new against the parent: `morphology` or `reward`; in the final the role.
+        parent: key of the evaluation whose design this one was made from; empty for a first idea.
         repeat: which training seed of this design.
     """
 
     stage: str
-    morphology: int = 0
-    reward: int = 0
-    branch: int = 0
-    cycle: int = 0
+    index: tuple[int, ...] = ()
     changed: str = ""
+    parent: str = ""
     repeat: int = 0
 
 

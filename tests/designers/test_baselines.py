@@ -23,7 +23,7 @@ def test_human_is_the_reference(task: str) -> None:
     known = TASKS[task]
     designer = HumanDesigner(known)
     body, reward = designer.propose_morphology(slot(0), ()), designer.propose_reward(slot(0), ())
-    assert body.parameters == known.human
+    assert body.parameters == known.reference
     assert reward.source == known.reward
     best = evaluation(known, body, reward)
     assert designer.improve_morphology(slot(1, "fine"), best, [best]) == body
@@ -38,8 +38,8 @@ def test_random_bodies_are_valid_and_around_the_official_robot(task: str) -> Non
     drawn = np.array([known.check(body.parameters) for body in bodies])
     assert len({body.parameters for body in bodies}) == 40
     middle = np.median(drawn, axis=0)
-    spread = np.maximum(np.abs(known.human), 0.05)
-    assert (np.abs(middle - known.human) < spread).all()
+    spread = np.maximum(np.abs(known.reference), 0.05)
+    assert (np.abs(middle - known.reference) < spread).all()
     assert designer.propose_reward(slot(0), ()).source == known.reward
 
 

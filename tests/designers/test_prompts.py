@@ -36,7 +36,7 @@ FILES = sorted(p.name for p in (resources.files("robomore.designers.llm") / "pro
 
 def middle(task: Task) -> Morphology:
     """A body that is not the human one."""
-    return Morphology(tuple(1.01 * p.human for p in task.parameters), "in between")
+    return Morphology(tuple(1.01 * p.reference for p in task.parameters), "in between")
 
 
 def text_of(task: Task, kind: str, **given) -> str:
@@ -82,7 +82,8 @@ def test_the_reward_prompt_tells_all(task: Task) -> None:
 @pytest.mark.parametrize("kind", ["morphology", "reward"])
 def test_no_prompt_depends_on_a_human_number(task: Task, kind: str) -> None:
     other = tuple(
-        dataclasses.replace(p, human=p.human + 0.137 * (p.high - p.human)) for p in task.parameters
+        dataclasses.replace(p, reference=p.reference + 0.137 * (p.high - p.reference))
+        for p in task.parameters
     )
     changed = dataclasses.replace(task, parameters=other)
     assert text_of(task, kind) == text_of(changed, kind)
@@ -93,7 +94,7 @@ def test_no_human_number_is_left_in_the_mjcf(task: Task) -> None:
     """Whatever gives the robot its shape is a placeholder, but for zeros."""
     # The swimmer's first link hangs on a frame whose place means nothing.
     allowed = {0.0, 0.5} if task.id == "swimmer" else {0.0}
-    assert not (allowed - {0.0}) & set(task.human)
+    assert not (allowed - {0.0}) & set(task.reference)
     told = text_of(task, "morphology")
     root = ElementTree.fromstring(re.search(r"```xml\n(.*?)\n```", told, re.DOTALL)[1])
     worldbody = root.find("worldbody")
@@ -107,7 +108,7 @@ def test_no_human_number_is_left_in_the_mjcf(task: Task) -> None:
                 assert {float(v) for v in value.split()} <= allowed, (element.attrib, attribute)
                 checked += attribute in element.attrib
     assert checked > 5
-    numbers = {f"{p.human:g}" for p in task.parameters if p.human not in (0.0, 1.0)}
+    numbers = {f"{p.reference:g}" for p in task.parameters if p.reference not in (0.0, 1.0)}
     placeholders = " ".join(re.findall(r"\{([^}]*)\}", told.split("```xml")[1].split("```")[0]))
     assert not numbers & set(re.findall(r"\d+\.?\d*", placeholders))
 
@@ -227,8 +228,8 @@ def test_the_schema_holds_the_bounds(task: Task) -> None:
         bounds = numbers["properties"][parameter.name]
         assert (bounds["minimum"], bounds["maximum"]) == (parameter.low, parameter.high)
     # What the schema asks for is what the parser takes.
-    form = {"parameters": task.named(task.human), "description": "as it is"}
-    assert parse_morphology(str(form), task).parameters == task.human
+    form = {"parameters": task.named(task.reference), "description": "as it is"}
+    assert parse_morphology(str(form), task).parameters == task.reference
 
 
 def test_missing_and_unused_fields_are_errors() -> None:

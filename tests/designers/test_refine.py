@@ -87,7 +87,7 @@ def test_failures_and_worthless_bodies_in_the_history_do_no_harm() -> None:
 def test_a_body_that_diverged_keeps_the_next_step_away() -> None:
     known = TASKS["swimmer"]
     designer = OfflineDesigner(known, 1)
-    bowl = Bowl(known, known.human)
+    bowl = Bowl(known, known.reference)
     space = bowl.space
     centre = np.full(6, 0.5)
     best = bowl.measure(Morphology(tuple(space.values(centre[None])[0].tolist())))
@@ -108,7 +108,7 @@ def test_a_body_that_diverged_keeps_the_next_step_away() -> None:
 def test_steps_get_smaller_when_they_bring_nothing() -> None:
     known = TASKS["swimmer"]
     designer = OfflineDesigner(known, 1)
-    space = Bowl(known, known.human).space
+    space = Bowl(known, known.reference).space
     best = evaluation(known, start(designer, 1)[0], fitness=9.0)
     history = [best]
 

@@ -61,7 +61,7 @@ def test_what_is_found(changes: dict[str, object], severity: str, said: str) -> 
 def test_bodies_are_valid_and_the_same_every_time(task) -> None:
     first = bodies(task, RANDOM_BODIES)
     assert first == bodies(task, RANDOM_BODIES)
-    assert len(set(first)) == RANDOM_BODIES + 1 and first[-1] == task.human
+    assert len(set(first)) == RANDOM_BODIES + 1 and first[-1] == task.reference
     assert all(task.check(body) for body in first)
 
 

@@ -15,7 +15,7 @@ from robomore.types import Evaluation, Morphology, Reward, Slot, Status
 
 HOPPER = TASKS["hopper"]
 BODY = RewardSampler(HOPPER, 0).body
-HUMAN = Morphology(HOPPER.human)
+HUMAN = Morphology(HOPPER.reference)
 PLAIN = {"forward_speed": 2.0, "alive": 0.8, "effort": 0.05}
 TRIES = 40
 
@@ -93,7 +93,7 @@ def test_a_policy_that_rattles_is_smoothed() -> None:
 
 def test_terms_are_taken_over_from_rewards_that_did_well() -> None:
     best = measured(forward_speed_m_s=1.0)
-    other = Morphology((*HOPPER.human[:-1], 0.05))
+    other = Morphology((*HOPPER.reference[:-1], 0.05))
     springy = written({**PLAIN, "springy_knee": 0.3})
     rival = evaluation(HOPPER, other, springy, 50.0)
     weak = evaluation(HOPPER, other, written(PLAIN), 1.0)
@@ -139,5 +139,5 @@ def test_rewards_of_all_tasks_can_be_improved(task: str) -> None:
     known = TASKS[task]
     designer = OfflineDesigner(known, 0)
     start = designer.propose_reward(Slot("coarse", "reward", 0, 0), ())
-    best = evaluation(known, Morphology(known.human), start, 2.0)
+    best = evaluation(known, Morphology(known.reference), start, 2.0)
     assert designer.improve_reward(slot(0), best, [best]).source != start.source

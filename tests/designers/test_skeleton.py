@@ -13,7 +13,7 @@ NO_TERRAIN = [task for task in TASKS.values() if task.terrain is None]
 
 
 def compiled(task: Task) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    model = mujoco.MjModel.from_xml_string(task.mjcf(task.human))
+    model = mujoco.MjModel.from_xml_string(task.mjcf(task.reference))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return model, data
@@ -22,7 +22,7 @@ def compiled(task: Task) -> tuple[mujoco.MjModel, mujoco.MjData]:
 @pytest.mark.parametrize("task", NO_TERRAIN, ids=lambda task: task.id)
 def test_limbs_are_where_mujoco_puts_them(task: Task) -> None:
     model, data = compiled(task)
-    columns = {name: np.array([value]) for name, value in task.named(task.human).items()}
+    columns = {name: np.array([value]) for name, value in task.named(task.reference).items()}
     pose = Skeleton(task.template, task.constants).pose(columns)
     solid = model.geom_bodyid > 0
     # The same order is not promised, so both are sorted.
@@ -65,7 +65,7 @@ def test_a_pose_tells_standing_from_falling_over() -> None:
 
 def test_a_leg_along_its_hinge_has_no_leverage() -> None:
     ant = TASKS["ant"]
-    named = ant.named(ant.human)
+    named = ant.named(ant.reference)
     across, along = dict(named), dict(named)
     # The ankles turn about the diagonals that are square to the official legs.
     across["foot_x"] = across["foot_y"] = 0.4

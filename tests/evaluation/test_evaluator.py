@@ -9,14 +9,17 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from robomore.errors import NoWorker, RunFolderError, StorageFailed
+from robomore.errors import NoWorker, RunFolderError, StorageFailed, TimeLimitReached
 from robomore.evaluation.evaluator import Evaluator
-from robomore.evaluation.request import Request
+from robomore.evaluation.request import Answer, Request
 from robomore.events import Event, Finished
 from robomore.executors import Done, Failed, Outcome
+from robomore.executors.executor import never
 from robomore.settings import Budget
 from robomore.store import Ledger, RunFolder
+from robomore.tasks import get_task
 from robomore.types import (
+    Curve,
     Design,
     Evaluation,
     Morphology,
@@ -27,7 +30,7 @@ from robomore.types import (
     Trial,
 )
 
-Answer = Callable[[Request], Outcome]
+Script = Callable[[Request], Outcome]
 
 
 def good(request: Request) -> Outcome:
@@ -37,7 +40,11 @@ def good(request: Request) -> Outcome:
     evaluation = Evaluation(
         request.key, request.job, Status.OK, fitness=number, volume=1.0, efficiency=number
     )
-    return Done(msgspec.json.encode(evaluation))
+    return answered(evaluation)
+
+
+def answered(evaluation: Evaluation, policy: bytes = b"") -> Outcome:
+    return Done(msgspec.json.encode(Answer(evaluation, policy)))
 
 
 class Scripted:
@@ -45,7 +52,7 @@ class Scripted:
 
     workers = 2
 
-    def __init__(self, answer: Answer = good) -> None:
+    def __init__(self, answer: Script = good) -> None:
         self.answer = answer
         self.requests: list[Request] = []
 
@@ -55,8 +62,11 @@ class Scripted:
         payloads: Sequence[bytes],
         progress: Callable[[int, int], None],
         timeout: float,
+        should_stop: Callable[[], bool] = never,
     ) -> Generator[tuple[int, Outcome]]:
         for index in reversed(range(len(payloads))):
+            if should_stop():
+                return
             request = msgspec.json.decode(payloads[index], type=Request)
             self.requests.append(request)
             progress(index, 0)
@@ -66,14 +76,14 @@ class Scripted:
 
 
 def trial(x: float, row: int = 0, repeat: int = 0) -> Trial:
-    place = Place(stage="coarse", morphology=row, repeat=repeat)
+    place = Place(stage="coarse", index=(row,), repeat=repeat)
     return Trial(Design(Morphology((x,)), Reward("def _get_rew(): ...")), place)
 
 
 def evaluator(tmp_path: Path, executor: Scripted, seed: int = 0) -> Evaluator:
     tmp_path.mkdir(exist_ok=True)
     return Evaluator(
-        task="ant",
+        task=get_task("ant"),
         trainer=TrainerSettings(),
         seed=seed,
         versions={"mujoco": "3"},
@@ -87,23 +97,25 @@ BUDGET = Budget(steps=100, episodes=1)
 
 
 def test_answers_come_in_the_order_of_the_trials(tmp_path: Path) -> None:
-    measured = evaluator(tmp_path, Scripted()).measure([trial(3), trial(1), trial(2)], BUDGET)
+    measured = evaluator(tmp_path, Scripted()).measure(
+        [trial(3), trial(1), trial(2)], budget=BUDGET
+    )
     assert [e.design.morphology.parameters[0] for e in measured] == [3, 1, 2]
 
 
 def test_seeds_do_not_depend_on_order_or_batch(tmp_path: Path) -> None:
-    together = evaluator(tmp_path / "a", Scripted()).measure([trial(1), trial(2)], BUDGET)
+    together = evaluator(tmp_path / "a", Scripted()).measure([trial(1), trial(2)], budget=BUDGET)
     apart = evaluator(tmp_path / "b", Scripted())
-    (second,) = apart.measure([trial(2, row=9)], BUDGET)
-    (first,) = apart.measure([trial(1, row=8)], BUDGET)
+    (second,) = apart.measure([trial(2, row=9)], budget=BUDGET)
+    (first,) = apart.measure([trial(1, row=8)], budget=BUDGET)
     assert [first.fitness, second.fitness] == [e.fitness for e in together]
-    other = evaluator(tmp_path / "c", Scripted(), seed=1).measure([trial(1)], BUDGET)
+    other = evaluator(tmp_path / "c", Scripted(), seed=1).measure([trial(1)], budget=BUDGET)
     assert other[0].job.seed != first.job.seed
 
 
 def test_repeats_are_trained_with_other_seeds(tmp_path: Path) -> None:
     measured = evaluator(tmp_path, Scripted()).measure(
-        [trial(1, repeat=repeat) for repeat in range(3)], BUDGET
+        [trial(1, repeat=repeat) for repeat in range(3)], budget=BUDGET
     )
     assert len({e.job.seed for e in measured}) == 3
 
@@ -111,24 +123,24 @@ def test_repeats_are_trained_with_other_seeds(tmp_path: Path) -> None:
 def test_equal_trials_are_done_once_and_known_ones_never_again(tmp_path: Path) -> None:
     executor = Scripted()
     first = evaluator(tmp_path, executor)
-    a, b = first.measure([trial(1, row=0), trial(1, row=1)], BUDGET)
+    a, b = first.measure([trial(1, row=0), trial(1, row=1)], budget=BUDGET)
     assert a == b and len(executor.requests) == 1
     first.ledger.close()
     seen: list[Event] = []
     again = evaluator(tmp_path, executor)
     again.observe = seen.append
-    assert again.measure([trial(1, row=0)], BUDGET) == [a]
+    assert again.measure([trial(1, row=0)], budget=BUDGET) == [a]
     assert len(executor.requests) == 1
     assert [e.known for e in seen if isinstance(e, Finished)] == [True]
     # Both places remember it.
-    assert [place.morphology for place, _ in again.ledger.placed()] == [0, 1]
+    assert [place.index for place, _ in again.ledger.placed()] == [(0,), (1,)]
 
 
 def test_another_budget_is_another_evaluation(tmp_path: Path) -> None:
     executor = Scripted()
     ours = evaluator(tmp_path, executor)
-    ours.measure([trial(1)], BUDGET)
-    ours.measure([trial(1)], Budget(steps=200, episodes=1))
+    ours.measure([trial(1)], budget=BUDGET)
+    ours.measure([trial(1)], budget=Budget(steps=200, episodes=1))
     assert [request.job.steps for request in executor.requests] == [100, 200]
 
 
@@ -142,7 +154,7 @@ def test_a_worker_that_dies_once_costs_nothing(tmp_path: Path) -> None:
         return good(request)
 
     executor = Scripted(dies_once)
-    measured = evaluator(tmp_path, executor).measure([trial(1), trial(2)], BUDGET)
+    measured = evaluator(tmp_path, executor).measure([trial(1), trial(2)], budget=BUDGET)
     assert [e.status for e in measured] == [Status.OK, Status.OK]
     assert [request.key for request in executor.requests].count(lost[0]) == 2
 
@@ -154,7 +166,7 @@ def test_a_design_that_always_kills_its_worker_fails_with_the_reason(tmp_path: P
         return good(request)
 
     ours = evaluator(tmp_path, Scripted(deadly))
-    fine, crashed = ours.measure([trial(1), trial(2)], BUDGET)
+    fine, crashed = ours.measure([trial(1), trial(2)], budget=BUDGET)
     assert fine.ok
     assert (crashed.status, crashed.fitness) == (Status.CRASHED, None)
     assert "SIGSEGV" in crashed.diagnosis
@@ -163,12 +175,10 @@ def test_a_design_that_always_kills_its_worker_fails_with_the_reason(tmp_path: P
 
 def test_a_fault_of_ours_is_tried_again_and_told(tmp_path: Path) -> None:
     def faulty(request: Request) -> Outcome:
-        return Done(
-            msgspec.json.encode(Evaluation(request.key, request.job, Status.FAILED, "OSError"))
-        )
+        return answered(Evaluation(request.key, request.job, Status.FAILED, "OSError"))
 
     executor = Scripted(faulty)
-    (failed,) = evaluator(tmp_path, executor).measure([trial(1)], BUDGET)
+    (failed,) = evaluator(tmp_path, executor).measure([trial(1)], budget=BUDGET)
     assert failed.status is Status.FAILED and len(executor.requests) == 2
 
 
@@ -181,37 +191,88 @@ def test_no_design_is_blamed_where_nothing_can_be_written(
     monkeypatch.setattr(RunFolder, "ensure_writable", full)
     ours = evaluator(tmp_path, Scripted(lambda request: Failed("the worker process was ended")))
     with pytest.raises(StorageFailed):
-        ours.measure([trial(1)], BUDGET)
+        ours.measure([trial(1)], budget=BUDGET)
     assert ours.ledger.evaluations() == []
 
 
 def test_no_design_is_blamed_where_no_worker_starts(tmp_path: Path) -> None:
     ours = evaluator(tmp_path, Scripted(lambda request: Failed("no memory", unstarted=True)))
     with pytest.raises(NoWorker, match=r"no memory.*same command"):
-        ours.measure([trial(1)], BUDGET)
+        ours.measure([trial(1)], budget=BUDGET)
     assert ours.ledger.evaluations() == []
 
 
 def test_a_policy_that_comes_out_otherwise_is_not_passed_off(tmp_path: Path) -> None:
     def luckier(request: Request) -> Outcome:
-        known = msgspec.json.decode(kept_by(good(request)), type=Evaluation)
-        return Done(msgspec.json.encode(replace(known, episode_fitness=(9.0,))))
-
-    def kept_by(outcome: Outcome) -> bytes:
-        assert isinstance(outcome, Done)
-        return outcome.reply
+        known = Evaluation(request.key, request.job, Status.OK, episode_fitness=(9.0,))
+        return answered(known, b"another policy")
 
     ours = evaluator(tmp_path, Scripted(good))
-    (first,) = ours.measure([trial(1)], BUDGET)
+    (first,) = ours.measure([trial(1)], budget=BUDGET)
     ours.executor = Scripted(luckier)
     with pytest.raises(RunFolderError, match="restore it from a copy"):
         ours.restore_policies([replace(first, artifact=first.key)])
     assert ours.ledger.evaluation(first.key) == first
+    assert not any(RunFolder(tmp_path).artifacts.glob("*"))
+
+
+def test_policies_come_as_bytes_and_are_kept_with_their_curves(tmp_path: Path) -> None:
+    curve = Curve((10, 20), {"alpha": (None, 0.5)})
+
+    def trained(request: Request) -> Outcome:
+        known = Evaluation(request.key, request.job, Status.OK, fitness=1.0, curve=curve)
+        return answered(known, b"policy")
+
+    ours = evaluator(tmp_path, Scripted(trained))
+    (measured,) = ours.measure([trial(1)], budget=BUDGET)
+    assert measured.artifact == measured.key
+    kept = RunFolder(tmp_path).artifacts / measured.artifact / "policy.npz"
+    assert kept.read_bytes() == b"policy"
+    assert ours.ledger.curve(measured.key) == curve
+    known = ours.ledger.evaluation(measured.key)
+    assert known is not None and known.curve is None
+
+
+@pytest.mark.parametrize("reply", [b"{", b"\xff", b"[]", b'{"evaluation": null}', b"[" * 100_000])
+def test_an_answer_that_cannot_be_read_costs_one_evaluation(tmp_path: Path, reply: bytes) -> None:
+    (failed,) = evaluator(tmp_path, Scripted(lambda request: Done(reply))).measure(
+        [trial(1)], budget=BUDGET
+    )
+    assert failed.status is Status.FAILED and "cannot be read" in failed.diagnosis
+
+
+def test_an_answer_for_somebody_else_is_not_believed(tmp_path: Path) -> None:
+    def other(request: Request) -> Outcome:
+        return answered(Evaluation("other", request.job, Status.OK, fitness=9.0))
+
+    (failed,) = evaluator(tmp_path, Scripted(other)).measure([trial(1)], budget=BUDGET)
+    assert failed.status is Status.FAILED and failed.fitness is None
+
+
+def test_when_the_time_is_up_nothing_new_is_started_and_the_rest_is_kept(tmp_path: Path) -> None:
+    executor = Scripted()
+    ours = evaluator(tmp_path, executor)
+    ours.time_is_up = lambda: len(executor.requests) >= 2
+    with pytest.raises(TimeLimitReached, match="1 evaluations"):
+        ours.measure([trial(1), trial(2), trial(3)], budget=BUDGET)
+    assert len(ours.ledger.evaluations()) == 2
+    ours.time_is_up = never
+    assert len(ours.measure([trial(1), trial(2), trial(3)], budget=BUDGET)) == 3
+    assert len(executor.requests) == 3
+
+
+def test_an_edited_task_is_another_evaluation(tmp_path: Path) -> None:
+    executor = Scripted()
+    ours = evaluator(tmp_path, executor)
+    (first,) = ours.measure([trial(1)], budget=BUDGET)
+    ours.task = replace(ours.task, reward=ours.task.reward + "\n")
+    (second,) = ours.measure([trial(1)], budget=BUDGET)
+    assert first.key != second.key and len(executor.requests) == 2
 
 
 def test_a_hanging_design_is_given_up_at_once(tmp_path: Path) -> None:
     executor = Scripted(lambda request: Failed("gave up after 60 s", timed_out=True))
-    (hung,) = evaluator(tmp_path, executor).measure([trial(1)], BUDGET)
+    (hung,) = evaluator(tmp_path, executor).measure([trial(1)], budget=BUDGET)
     assert hung.status is Status.TIMED_OUT and len(executor.requests) == 1
 
 
@@ -223,7 +284,7 @@ def test_what_was_finished_before_an_interruption_is_kept(tmp_path: Path) -> Non
 
     ours = evaluator(tmp_path, Scripted(interrupted))
     with pytest.raises(KeyboardInterrupt):
-        ours.measure([trial(1), trial(2)], BUDGET)
+        ours.measure([trial(1), trial(2)], budget=BUDGET)
     assert [e.design.morphology.parameters for e in ours.ledger.evaluations()] == [(2.0,)]
 
 
@@ -235,17 +296,17 @@ def test_a_training_goes_on_from_its_checkpoint_until_it_is_dropped(tmp_path: Pa
 
     executor = Scripted(trains)
     ours = evaluator(tmp_path, executor)
-    first = ours.measure([trial(1), trial(2), trial(3)], BUDGET, share=0.5)
+    first = ours.measure([trial(1), trial(2), trial(3)], budget=BUDGET, budget_fraction=0.5)
     assert [e.job.steps for e in first] == [BUDGET.steps // 2] * 3
     assert len({request.checkpoint for request in executor.requests}) == 3
     resting = {r.job.design.morphology.parameters: r.checkpoint for r in executor.requests}
 
     executor.requests.clear()
-    ours.measure([trial(1), trial(2)], BUDGET, share=0.75)
+    ours.measure([trial(1), trial(2)], budget=BUDGET, budget_fraction=0.75)
     assert all(Path(resting[(x,)]).is_dir() for x in (1.0, 2.0))
     assert not Path(resting[(3.0,)]).exists()
     executor.requests.clear()
-    (whole,) = ours.measure([trial(1)], BUDGET)
+    (whole,) = ours.measure([trial(1)], budget=BUDGET)
     assert whole.job.steps == BUDGET.steps
     assert [request.checkpoint for request in executor.requests] == [resting[(1.0,)]]
     assert not any(RunFolder(tmp_path).checkpoints.iterdir())
@@ -253,5 +314,5 @@ def test_a_training_goes_on_from_its_checkpoint_until_it_is_dropped(tmp_path: Pa
 
 def test_training_in_one_go_keeps_no_checkpoint(tmp_path: Path) -> None:
     executor = Scripted()
-    evaluator(tmp_path, executor).measure([trial(1)], BUDGET)
+    evaluator(tmp_path, executor).measure([trial(1)], budget=BUDGET)
     assert [request.checkpoint for request in executor.requests] == [""]

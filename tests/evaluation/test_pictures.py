@@ -20,12 +20,12 @@ from robomore.types import Design, Evaluation, Job, Morphology, Reward, Status, 
 @pytest.mark.parametrize("name", ["swimmer", "ant"])
 def test_a_body_and_a_strip_of_frames(name: str, tmp_path: Path) -> None:
     task = get_task(name)
-    robot = VectorEnv(task, task.human, 1)
+    robot = VectorEnv(task, task.reference, 1)
     shape = (robot.observation_size, robot.action_size)
     policy = MLPPolicy((np.zeros(shape, np.float32),), (np.full(shape[1], 0.5, np.float32),))
     (tmp_path / "key").mkdir()
     policy.save(tmp_path / "key" / "policy.npz")
-    design = Design(Morphology(task.human), Reward(task.reward))
+    design = Design(Morphology(task.reference), Reward(task.reward))
     job = Job(task.id, design, TrainerSettings(), 1, 1, 0)
     measured = Evaluation("key", job, Status.OK, fitness=1.0, volume=1.0, efficiency=1.0)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -53,6 +54,32 @@ def test_a_hanging_job_is_given_up(processes: Processes) -> None:
     assert fine == Done(b"fine")
 
 
+def test_no_job_starts_after_the_stop_and_those_under_way_finish(processes: Processes) -> None:
+    started: set[int] = set()
+
+    def progress(index: int, units: int) -> None:
+        started.add(index)
+
+    stop = threading.Event()
+    payloads = [str(i).encode() for i in range(20)]
+    got: dict[int, Outcome] = {}
+    for index, outcome in processes.map("jobs:double", payloads, progress, 30, stop.is_set):
+        got[index] = outcome
+        stop.set()
+    assert got == {index: Done(payloads[index] * 2) for index in started}
+    assert len(got) < len(payloads)
+    # The workers are kept: later jobs run as if nothing had been stopped.
+    assert outcomes(processes, "double", [b"a"]) == [Done(b"aa")]
+
+
+def test_an_error_of_the_question_whether_to_stop_is_raised(processes: Processes) -> None:
+    def broken() -> bool:
+        raise ZeroDivisionError("on purpose")
+
+    with pytest.raises(ZeroDivisionError, match="on purpose"):
+        list(processes.map("jobs:double", [b"a"], lambda index, units: None, 30, broken))
+
+
 def test_no_key_reaches_a_worker(monkeypatch: pytest.MonkeyPatch, processes: Processes) -> None:
     monkeypatch.setenv("OPENAI_API_KEY", "planted")
     monkeypatch.setenv("SOMETHING_SECRET", "planted")
@@ -66,3 +93,15 @@ def test_inline_answers_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parent))
     got = list(Inline().map("jobs:double", [b"a", b"b"], lambda index, units: None, 30))
     assert got == [(0, Done(b"aa")), (1, Done(b"bb"))]
+
+
+def test_inline_starts_no_job_after_the_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    stop = threading.Event()
+    got = []
+    for index, _ in Inline().map(
+        "jobs:double", [b"a", b"b"], lambda index, units: None, 30, stop.is_set
+    ):
+        got.append(index)
+        stop.set()
+    assert got == [0]

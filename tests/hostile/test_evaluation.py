@@ -69,7 +69,7 @@ def quickly(monkeypatch: pytest.MonkeyPatch, planted: World) -> list[Contained]:
 def evaluate(planted: World, name: str, source: str) -> Evaluation:
     job = Job(
         TASK.id,
-        Design(Morphology(TASK.human), Reward(source)),
+        Design(Morphology(TASK.reference), Reward(source)),
         TrainerSettings("crossq", {"simulations": 4}),
         steps=240,
         episodes=1,
@@ -98,7 +98,7 @@ def look(
     assert evaluation.ok == (evaluation.diagnosis == "")
     if evaluation.fitness is not None:
         assert abs(evaluation.fitness) < FURTHEST
-        assert evaluation.volume == TASK.volume(TASK.human)
+        assert evaluation.volume == TASK.volume(TASK.reference)
         assert evaluation.efficiency == evaluation.fitness / evaluation.volume
         assert "fitness" not in evaluation.behaviour
 

@@ -1,10 +1,19 @@
-"""A designer and an evaluator that need no robot: one number is the body, one the reward."""
+"""A designer and an evaluator that need no robot: one number is the morphology, one the reward."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
+from robomore.designers.designer import Designer
+from robomore.events import Observer, ignore
 from robomore.identity import content_key
+from robomore.search import SearchContext
+from robomore.search.measure import Evaluate
+from robomore.search.method import MapFn, sequential_map
+from robomore.search.robomore import RoboMoRe, RoboMoReSettings
+from robomore.settings import Budget
+from robomore.tasks import get_task
 from robomore.types import (
     Design,
     Evaluation,
@@ -18,6 +27,36 @@ from robomore.types import (
 )
 
 REFERENCE = Reward("1")
+STEPS = 1000
+"""Of a candidate in full."""
+
+
+def context(observe: Observer = ignore, map_fn: MapFn = sequential_map) -> SearchContext:
+    return SearchContext(
+        task=get_task("swimmer"),
+        reference=Design(Morphology((7.0,)), REFERENCE),
+        candidate=Budget(STEPS, 1),
+        evaluations=4,
+        observe=observe,
+        map_fn=map_fn,
+    )
+
+
+def sizes(morphologies: int = 2, rewards: int = 2, **options: Any) -> RoboMoReSettings:
+    """Settings without a reference column, so that all numbers are the designer's."""
+    options.setdefault("reference_reward", "out")
+    return RoboMoReSettings(morphologies, rewards, **options)
+
+
+def robomore(
+    designer: Designer,
+    evaluate: Evaluate,
+    settings: RoboMoReSettings,
+    observe: Observer = ignore,
+    map_fn: MapFn = sequential_map,
+) -> list[Evaluation]:
+    """Run the paper's method on numbers."""
+    return RoboMoRe(settings).run(designer, evaluate, context(observe, map_fn))
 
 
 class CountingDesigner:
@@ -53,13 +92,15 @@ class CountingDesigner:
 
 
 class Measuring:
-    """Evaluates `score(body, reward)`; a score of `None` is a failure. Keeps the batches."""
+    """Evaluates `score(morphology, reward)`; a score of `None` is a failure. Keeps the batches."""
 
     def __init__(self, score: Callable[[float, float], float | None]) -> None:
         self.score = score
         self.batches: list[list[Trial]] = []
 
-    def __call__(self, trials: Sequence[Trial], *, share: float = 1.0) -> list[Evaluation]:
+    def __call__(
+        self, trials: Sequence[Trial], *, budget_fraction: float = 1.0
+    ) -> list[Evaluation]:
         self.batches.append(list(trials))
         return [self.evaluation_of(trial.design) for trial in trials]
 

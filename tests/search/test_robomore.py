@@ -9,27 +9,33 @@ from typing import Any, TypeVar
 import pytest
 
 from robomore.errors import NothingTrained, ProposalFailed
-from robomore.search import coarse, final, fine, robomore
 from robomore.search.measure import improves, ranked, top
-from robomore.settings import SearchSettings
+from robomore.search.robomore.coarse import coarse
+from robomore.search.robomore.fine import fine
 from robomore.types import Design, Morphology, Reward, Slot
-from search.fakes import REFERENCE, CountingDesigner, Measuring, evaluation, numbers
+from search.fakes import (
+    CountingDesigner,
+    Measuring,
+    context,
+    evaluation,
+    numbers,
+    robomore,
+    sizes,
+)
 
 T = TypeVar("T")
 
 
-def design(body: float, reward: float) -> Design:
-    return Design(Morphology((body,)), Reward(str(reward)))
+def design(morphology: float, reward: float) -> Design:
+    return Design(Morphology((morphology,)), Reward(str(reward)))
 
 
 def test_coarse_evaluates_the_whole_grid_in_one_batch_row_by_row() -> None:
-    measuring = Measuring(lambda body, reward: body * reward)
-    grid = coarse(CountingDesigner(), measuring, morphologies=3, rewards=2)
+    measuring = Measuring(lambda morphology, reward: morphology * reward)
+    grid = coarse(CountingDesigner(), measuring, sizes(3, 2), context())
     assert [numbers(e.design) for e in grid] == [(b, r) for b in (1, 2, 3) for r in (10, 20)]
     (batch,) = measuring.batches
-    assert [(t.place.morphology, t.place.reward) for t in batch] == [
-        (i, j) for i in range(3) for j in range(2)
-    ]
+    assert [t.place.index for t in batch] == [(i, j) for i in range(3) for j in range(2)]
 
 
 @pytest.mark.parametrize(("pairs", "share", "kept"), [(125, 0.05, 6), (15, 0.1, 2), (4, 0.05, 1)])
@@ -53,21 +59,21 @@ def test_equal_scores_keep_their_order() -> None:
 
 
 def test_a_grid_of_failures_says_why() -> None:
-    measuring = Measuring(lambda body, reward: None)
+    measuring = Measuring(lambda morphology, reward: None)
     with pytest.raises(
         NothingTrained, match=r"all 4 candidates failed \(4 reward-failed\).*raised"
     ):
-        robomore(CountingDesigner(), measuring, SearchSettings(2, 2), REFERENCE)
+        robomore(CountingDesigner(), measuring, sizes(2, 2))
 
 
-def test_fine_changes_the_body_then_the_reward_and_keeps_what_is_better() -> None:
-    # Better until the body is 3; the reward cannot be improved.
-    measuring = Measuring(lambda body, reward: -abs(body - 3) - abs(reward - 10))
+def test_fine_changes_the_morphology_then_the_reward_and_keeps_what_is_better() -> None:
+    # Better until the morphology is 3; the reward cannot be improved.
+    measuring = Measuring(lambda morphology, reward: -abs(morphology - 3) - abs(reward - 10))
     start = measuring.evaluation_of(design(1, 10))
-    (best,) = fine(CountingDesigner(), measuring, [start], [start], "efficiency", max_cycles=10)
+    (best,) = fine(CountingDesigner(), measuring, [start], [start], 10, context())
     assert numbers(best.design) == (3.0, 10.0)
     changes = [batch[0].place.changed for batch in measuring.batches]
-    # Two cycles improve the body; the third improves neither and ends the branch.
+    # Two cycles improve the morphology; the third improves neither and ends the branch.
     assert changes == ["morphology", "reward"] * 3
     assert [numbers(batch[0].design) for batch in measuring.batches] == [
         (2.0, 10.0),
@@ -80,18 +86,18 @@ def test_fine_changes_the_body_then_the_reward_and_keeps_what_is_better() -> Non
 
 
 def test_fine_branches_share_batches_and_stop_one_by_one() -> None:
-    measuring = Measuring(lambda body, reward: min(body, 3) + min(reward, 10))
-    starts = [measuring.evaluation_of(design(body, 10)) for body in (1, 3)]
-    best = fine(CountingDesigner(), measuring, starts, starts, "efficiency", max_cycles=10)
+    measuring = Measuring(lambda morphology, reward: min(morphology, 3) + min(reward, 10))
+    starts = [measuring.evaluation_of(design(morphology, 10)) for morphology in (1, 3)]
+    best = fine(CountingDesigner(), measuring, starts, starts, 10, context())
     assert [numbers(e.design) for e in best] == [(3.0, 10.0), (3.0, 10.0)]
     assert [len(batch) for batch in measuring.batches] == [2, 2, 1, 1, 1, 1]
 
 
 def test_a_branch_sees_the_grid_and_its_own_trials_only() -> None:
     designer = CountingDesigner()
-    measuring = Measuring(lambda body, reward: body + reward)
-    starts = [measuring.evaluation_of(design(body, 10)) for body in (1, 50)]
-    fine(designer, measuring, starts, starts, "efficiency", max_cycles=2)
+    measuring = Measuring(lambda morphology, reward: morphology + reward)
+    starts = [measuring.evaluation_of(design(morphology, 10)) for morphology in (1, 50)]
+    fine(designer, measuring, starts, starts, 2, context())
     grid = tuple(e.key for e in starts)
     first, second = designer.histories[2], designer.histories[3]
     assert first[:2] == second[:2] == grid
@@ -99,9 +105,9 @@ def test_a_branch_sees_the_grid_and_its_own_trials_only() -> None:
 
 
 def test_max_cycles_bounds_a_search_that_always_improves() -> None:
-    measuring = Measuring(lambda body, reward: body + reward)
-    settings = SearchSettings(morphologies=2, rewards=2, survivors=0.25, max_cycles=4)
-    best, *_ = robomore(CountingDesigner(), measuring, settings, REFERENCE)
+    measuring = Measuring(lambda morphology, reward: morphology + reward)
+    settings = sizes(2, 2, survivors=0.25, max_cycles=4)
+    best, *_ = robomore(CountingDesigner(), measuring, settings)
     assert numbers(best.design) == (2.0 + 4, 20.0 + 4)
 
 
@@ -112,21 +118,31 @@ def test_the_objective_decides() -> None:
     assert top([light, far], 0.1, "fitness") == [far]
 
 
-def test_final_retrains_finalists_and_human_over_seeds_and_names_the_steadier_champion() -> None:
-    scores = {1.0: iter([9.0, None]), 2.0: iter([3.0, 4.0]), 7.0: iter([1.0, 1.0])}
-    measuring = Measuring(lambda body, reward: next(scores[body]))
-    result = final(measuring, [design(1, 1), design(2, 1)], design(7, 1), 2, "efficiency")
-    assert [e.efficiency for e in result.champion] == [3.0, 4.0]
-    assert [e.efficiency for e in result.human] == [1.0, 1.0]
-    (batch,) = measuring.batches
-    assert [(t.place.changed, t.place.branch, t.place.repeat) for t in batch] == [
-        ("champion", 0, 1),
-        ("champion", 0, 2),
-        ("champion", 1, 1),
-        ("champion", 1, 2),
-        ("human", 0, 1),
-        ("human", 0, 2),
-    ]
+def test_the_reference_reward_is_the_first_column_and_may_win() -> None:
+    # Nothing proposed is as good as the reference reward, 1.
+    measuring = Measuring(lambda morphology, reward: morphology - abs(reward - 1))
+    designer = CountingDesigner()
+    best, *_ = robomore(designer, measuring, sizes(2, 3, reference_reward="in", max_cycles=0))
+    assert numbers(best.design) == (2.0, 1.0)
+    assert [numbers(t.design)[1] for t in measuring.batches[0]] == [1, 10, 20] * 2
+    assert sum(slot.kind == "reward" for slot in designer.asked) == 2
+
+
+def test_a_grid_of_the_reference_reward_alone_asks_for_no_reward() -> None:
+    measuring = Measuring(lambda morphology, reward: morphology)
+    designer = CountingDesigner()
+    robomore(designer, measuring, sizes(3, 1, reference_reward="in", max_cycles=0))
+    assert {slot.kind for slot in designer.asked} == {"morphology"}
+
+
+def test_a_refinement_names_the_evaluation_that_it_was_made_from() -> None:
+    measuring = Measuring(lambda morphology, reward: -abs(morphology - 3) - abs(reward - 10))
+    start = measuring.evaluation_of(design(1, 10))
+    fine(CountingDesigner(), measuring, [start], [start], 2, context())
+    places = [batch[0].place for batch in measuring.batches]
+    better, _, best, _ = (measuring.evaluation_of(b[0].design).key for b in measuring.batches)
+    assert [place.parent for place in places] == [start.key, better, better, best]
+    assert [place.index for place in places] == [(0, 0), (0, 0), (0, 1), (0, 1)]
 
 
 class Stubborn(CountingDesigner):
@@ -150,11 +166,11 @@ class Stubborn(CountingDesigner):
 
 
 def test_a_slot_without_proposal_leaves_its_row_or_column_empty() -> None:
-    measuring = Measuring(lambda body, reward: body * reward)
+    measuring = Measuring(lambda morphology, reward: morphology * reward)
     designer = Stubborn("coarse morphology 2", "coarse reward 1")
-    grid = coarse(designer, measuring, morphologies=3, rewards=3)
+    grid = coarse(designer, measuring, sizes(3, 3), context())
     (batch,) = measuring.batches
-    places = [(t.place.morphology, t.place.reward) for t in batch]
+    places = [t.place.index for t in batch]
     assert places == [(0, 1), (0, 2), (2, 1), (2, 2)]
     # Those after it see only what there is.
     assert [numbers(e.design) for e in grid] == [(1, 10), (1, 20), (2, 10), (2, 20)]
@@ -163,19 +179,19 @@ def test_a_slot_without_proposal_leaves_its_row_or_column_empty() -> None:
 @pytest.mark.parametrize("kind", ["morphology", "reward"])
 def test_a_grid_without_any_proposal_ends_the_search_and_says_why(kind: str) -> None:
     designer = Stubborn(*(f"coarse {kind} {number}" for number in (1, 2)))
-    measuring = Measuring(lambda body, reward: 1.0)
+    measuring = Measuring(lambda morphology, reward: 1.0)
     with pytest.raises(NothingTrained, match=f"none of 2 slots for a {kind}.*no coarse {kind} 1"):
-        robomore(designer, measuring, SearchSettings(2, 2), REFERENCE)
+        robomore(designer, measuring, sizes(2, 2))
     assert not measuring.batches
 
 
 def test_a_half_cycle_without_proposal_improves_nothing_and_the_others_go_on() -> None:
-    measuring = Measuring(lambda body, reward: min(body, 4) + min(reward, 12))
-    starts = [measuring.evaluation_of(design(body, 10)) for body in (1, 2)]
-    designer = Stubborn("fine morphology 1 of branch 1", "fine reward 2 of branch 2")
-    best = fine(designer, measuring, starts, starts, "efficiency", max_cycles=10)
+    measuring = Measuring(lambda morphology, reward: min(morphology, 4) + min(reward, 12))
+    starts = [measuring.evaluation_of(design(morphology, 10)) for morphology in (1, 2)]
+    designer = Stubborn("fine morphology 1.1", "fine reward 2.2")
+    best = fine(designer, measuring, starts, starts, 10, context())
     assert [numbers(e.design) for e in best] == [(4.0, 12.0), (4.0, 12.0)]
-    assert [[t.place.branch for t in batch] for batch in measuring.batches[:4]] == [
+    assert [[t.place.index[0] for t in batch] for batch in measuring.batches[:4]] == [
         [1],
         [0, 1],
         [0, 1],
@@ -184,30 +200,30 @@ def test_a_half_cycle_without_proposal_improves_nothing_and_the_others_go_on() -
 
 
 def test_a_branch_without_any_proposal_keeps_its_best_and_ends() -> None:
-    measuring = Measuring(lambda body, reward: body + reward)
+    measuring = Measuring(lambda morphology, reward: morphology + reward)
     start = measuring.evaluation_of(design(1, 10))
-    designer = Stubborn("fine morphology 1 of branch 1", "fine reward 1 of branch 1")
-    assert fine(designer, measuring, [start], [start], "efficiency", max_cycles=5) == [start]
+    designer = Stubborn("fine morphology 1.1", "fine reward 1.1")
+    assert fine(designer, measuring, [start], [start], 5, context()) == [start]
     assert not measuring.batches
 
 
 def test_what_does_not_depend_on_each_other_is_asked_for_together() -> None:
     asked: list[int] = []
 
-    def together(calls: Sequence[Callable[[], T]], /) -> list[T]:
+    def side_by_side(calls: Sequence[Callable[[], T]], /) -> list[T]:
         asked.append(len(calls))
         return list(reversed([call() for call in reversed(calls)]))
 
-    measuring = Measuring(lambda body, reward: body + reward)
-    settings = SearchSettings(morphologies=4, rewards=2, survivors=0.25, max_cycles=1)
+    measuring = Measuring(lambda morphology, reward: morphology + reward)
+    settings = sizes(4, 2, survivors=0.25, max_cycles=1)
     reflecting = CountingDesigner()
-    turns = robomore(reflecting, measuring, settings, REFERENCE)
-    assert robomore(reflecting, measuring, settings, REFERENCE, together=together) == turns
+    turns = robomore(reflecting, measuring, settings)
+    assert robomore(reflecting, measuring, settings, map_fn=side_by_side) == turns
     # Diversity Reflection goes in order; the two branches do not.
     assert asked == [2, 2]
     asked.clear()
     blind = CountingDesigner()
     blind.reflects = False
-    robomore(blind, measuring, settings, REFERENCE, together=together)
+    robomore(blind, measuring, settings, map_fn=side_by_side)
     assert asked == [4, 2, 2, 2]
-    assert [slot.index for slot in blind.asked[:4]] == [3, 2, 1, 0]
+    assert [slot.index for slot in blind.asked[:4]] == [(3,), (2,), (1,), (0,)]

@@ -4,21 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from robomore.errors import InputError, NothingTrained, ProposalFailed
 from robomore.events import Cut, Event
-from robomore.search import robomore
-from robomore.search.screening import check
-from robomore.settings import Rung, Screening, SearchSettings
+from robomore.search.robomore import RoboMoRe, RoboMoReSettings, Rung
+from robomore.settings import from_options
 from robomore.types import Design, Evaluation, Morphology, Reward, Slot, Trial, finished
-from search.fakes import REFERENCE, CountingDesigner, Measuring, evaluation, numbers
+from search.fakes import (
+    REFERENCE,
+    STEPS,
+    CountingDesigner,
+    Measuring,
+    evaluation,
+    numbers,
+    robomore,
+    sizes,
+)
 
-STEPS = 1000
-HALVING = Screening(rungs=(Rung(0.1, 0.5), Rung(0.5, 0.25)), prefilter_fraction=0.0)
-SETTINGS = SearchSettings(
-    morphologies=4, rewards=2, survivors=0.25, max_cycles=0, screening=HALVING
+SETTINGS = sizes(
+    4,
+    2,
+    survivors=0.25,
+    max_cycles=0,
+    screening="halving",
+    rungs=(Rung(0.1, 0.5), Rung(0.5, 0.25)),
+    prefilter_fraction=0.0,
 )
 
 
@@ -30,8 +43,11 @@ class Partial(Measuring):
         self.early, self.broken = early, broken
         self.shares: list[float] = []
 
-    def __call__(self, trials: Sequence[Trial], *, share: float = 1.0) -> list[Evaluation]:
+    def __call__(
+        self, trials: Sequence[Trial], *, budget_fraction: float = 1.0
+    ) -> list[Evaluation]:
         self.batches.append(list(trials))
+        share = budget_fraction
         self.shares.append(share)
         found = []
         for trial in trials:
@@ -48,9 +64,9 @@ def grid(measuring: Measuring) -> list[list[tuple[float, float]]]:
     return [[numbers(trial.design) for trial in batch] for batch in measuring.batches]
 
 
-def search(measuring: Measuring, settings: SearchSettings = SETTINGS) -> tuple[list[float], list]:
+def search(measuring: Measuring, settings: RoboMoReSettings = SETTINGS) -> tuple[list[float], list]:
     told: list[Event] = []
-    best = robomore(CountingDesigner(), measuring, settings, REFERENCE, told.append)
+    best = robomore(CountingDesigner(), measuring, settings, told.append)
     return [e.efficiency or 0.0 for e in best], told
 
 
@@ -68,7 +84,7 @@ def test_the_best_go_on_from_rung_to_rung() -> None:
 def test_what_was_cut_is_never_the_answer() -> None:
     # After a tenth of the training the worst pairs look best.
     best, _ = search(Partial(early=10.0))
-    exhaustive, _ = search(Partial(early=10.0), replace(SETTINGS, screening=None))
+    exhaustive, _ = search(Partial(early=10.0), replace(SETTINGS, screening="none"))
     assert exhaustive == [80.0, 60.0]
     assert best == [40.0, 20.0]
 
@@ -76,7 +92,7 @@ def test_what_was_cut_is_never_the_answer() -> None:
 def test_it_is_said_who_was_cut_when_and_why() -> None:
     _, told = search(Partial(broken=(2, 20)))
     cuts = [event for event in told if isinstance(event, Cut)]
-    assert [(c.place.morphology, c.place.reward, c.steps) for c in cuts] == [
+    assert [(*c.place.index, c.steps) for c in cuts] == [
         *((0, 0, 100), (0, 1, 100), (1, 0, 100), (1, 1, 100)),
         *((2, 0, 500), (3, 0, 500)),
     ]
@@ -85,30 +101,28 @@ def test_it_is_said_who_was_cut_when_and_why() -> None:
 
 
 def test_hopeless_bodies_get_fewer_rewards_tried() -> None:
-    screening = replace(HALVING, prefilter_fraction=0.5, prefiltered_rewards=1)
     measuring = Partial()
-    best, told = search(measuring, replace(SETTINGS, screening=screening))
+    best, told = search(measuring, replace(SETTINGS, prefilter_fraction=0.5))
     assert best == [80.0, 60.0]
     assert measuring.shares == [0.1, 0.1, 0.5, 1.0]
     first_look, tried, *_ = grid(measuring)
     assert first_look == [(body, 1.0) for body in (1, 2, 3, 4)]
     assert tried == [(1, 10), (2, 10), (3, 10), (3, 20), (4, 10), (4, 20)]
     untried = [event for event in told if isinstance(event, Cut) and event.steps == 0]
-    assert [(c.place.morphology, c.place.reward) for c in untried] == [(0, 1), (1, 1)]
-    assert untried[0].reason == "its body is number 4 of 4 under the reference reward"
+    assert [c.place.index for c in untried] == [(0, 1), (1, 1)]
+    assert untried[0].reason == "its morphology is number 4 of 4 under the reference reward"
 
 
 def test_hopeless_bodies_get_the_first_reward_that_there_is() -> None:
     class WithoutTheFirst(CountingDesigner):
         def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
-            if slot.index == 0:
+            if slot.index == (0,):
                 raise ProposalFailed("no idea")
             return super().propose_reward(slot, earlier)
 
     measuring = Partial()
-    screening = replace(HALVING, prefilter_fraction=0.5, prefiltered_rewards=1)
-    settings = replace(SETTINGS, rewards=3, screening=screening)
-    robomore(WithoutTheFirst(), measuring, settings, REFERENCE)
+    settings = replace(SETTINGS, rewards=3, prefilter_fraction=0.5)
+    robomore(WithoutTheFirst(), measuring, settings)
     _, tried, *_ = grid(measuring)
     assert tried == [(1, 10), (2, 10), (3, 10), (3, 20), (4, 10), (4, 20)]
 
@@ -116,7 +130,7 @@ def test_hopeless_bodies_get_the_first_reward_that_there_is() -> None:
 def test_a_designer_sees_what_was_cut_short_and_branches_start_from_the_rest() -> None:
     designer = CountingDesigner()
     settings = replace(SETTINGS, max_cycles=1)
-    robomore(designer, Partial(), settings, REFERENCE)
+    robomore(designer, Partial(), settings)
     (first, *_) = designer.histories
     assert [key.rsplit("-")[-1] for key in first] == [
         *("0.1", "0.1", "0.1", "0.5", "0.1", "1.0", "0.5", "1.0"),
@@ -144,17 +158,46 @@ def test_a_screened_grid_of_failures_says_why() -> None:
         search(measuring)
 
 
+def test_the_first_look_is_part_of_the_grid_if_the_reference_reward_is() -> None:
+    measuring = Partial()
+    settings = replace(
+        SETTINGS, rewards=3, reference_reward="in", prefilter_fraction=0.5, prefiltered_rewards=1
+    )
+    search(measuring, settings)
+    look, tried, *_ = measuring.batches
+    assert [(t.place.stage, t.place.index) for t in look] == [("coarse", (i, 0)) for i in range(4)]
+    # The column goes on with the others; the worst morphologies get one proposed reward more.
+    assert [t.place.index for t in tried] == [
+        *((0, 0), (0, 1), (1, 0), (1, 1)),
+        *((2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2)),
+    ]
+
+
 @pytest.mark.parametrize(
-    ("screening", "said"),
+    ("options", "said"),
     [
-        (Screening(rungs=(Rung(0.0, 0.5),)), r"share has to be in \(0, 1\)"),
-        (Screening(rungs=(Rung(1.0, 0.5),)), r"share has to be in \(0, 1\)"),
-        (Screening(rungs=(Rung(0.5, 0.0),)), r"kept in \(0, 1\]"),
-        (Screening(rungs=(Rung(0.5, 0.5), Rung(0.5, 0.1))), "has to rise"),
-        (Screening(rungs=(Rung(0.2, 0.1), Rung(0.5, 0.5))), "must not"),
-        (Screening(prefilter_fraction=1.0), r"prefilter_fraction = 1.0 has to be in \[0, 1\)"),
+        ({"rungs": [{"budget_fraction": 0.0, "keep_fraction": 0.5}]}, "budget_fraction"),
+        ({"rungs": [{"budget_fraction": 1.0, "keep_fraction": 0.5}]}, "budget_fraction"),
+        ({"rungs": [{"budget_fraction": 0.5, "keep_fraction": 0.0}]}, "keep_fraction"),
+        ({"prefilter_fraction": 1.0}, "prefilter_fraction"),
+        ({"morphologies": 0}, "morphologies"),
+        ({"screening": "halve"}, "halve"),
+        ({"survivors": float("nan")}, "survivors = nan"),
+        ({"rows": 3}, "no option 'rows'; it takes morphologies"),
     ],
 )
-def test_rungs_that_make_no_sense_are_refused(screening: Screening, said: str) -> None:
+def test_options_out_of_range_are_refused(options: dict[str, Any], said: str) -> None:
     with pytest.raises(InputError, match=said):
-        check(screening)
+        from_options(RoboMoReSettings, options, "method robomore")
+
+
+@pytest.mark.parametrize(
+    ("rungs", "said"),
+    [
+        ((Rung(0.5, 0.5), Rung(0.5, 0.1)), "has to rise"),
+        ((Rung(0.2, 0.1), Rung(0.5, 0.5)), "must not"),
+    ],
+)
+def test_rungs_that_make_no_sense_are_refused(rungs: tuple[Rung, ...], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        RoboMoRe(RoboMoReSettings(rungs=rungs))

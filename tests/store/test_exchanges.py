@@ -24,7 +24,7 @@ ASKED = (Message("system", "be brief"), Message("user", "a body?", (b"\x89PNG\x0
 def exchange(number: int) -> Exchange:
     return Exchange(
         key=f"key{number}",
-        slot=Slot("coarse", "morphology", 0, number),
+        slot=Slot("coarse", "morphology", (number,)),
         repair=0,
         model="fake",
         messages=ASKED,

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import sqlite3
+import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from robomore.errors import LedgerError
 from robomore.store.ledger import Ledger, Proposal
+from robomore.store.rows import digest
 from robomore.types import (
+    Curve,
     Design,
     Evaluation,
     Job,
@@ -49,23 +53,46 @@ def test_evaluations_come_back_to_the_last_bit(tmp_path: Path) -> None:
     assert again.evaluation("none") is None
 
 
+def test_curves_are_kept_apart_and_small(tmp_path: Path) -> None:
+    path = tmp_path / "ledger.sqlite"
+    ledger = Ledger(path)
+    steps = tuple(range(128, 128 * 51, 128))
+    values = tuple(0.1 * n for n in range(50))
+    curve = Curve(steps, {"episode_return": values, "alpha": (None, *values[1:])})
+    ledger.add_evaluation(replace(GOOD, curve=curve))
+    assert ledger.evaluation("k1") == GOOD
+    assert ledger.curve("k1") == curve
+    assert ledger.curve("k2") is None
+    with sqlite3.connect(path) as db:
+        ((size,),) = db.execute("SELECT length(body) FROM curves")
+    assert size < 1_000
+
+
+def test_a_curve_that_unpacks_to_more_than_any_can_be_is_refused(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path / "ledger.sqlite")
+    row = ("k1", zlib.compress(b" " * 2**26), 0.0)
+    ledger.restore("curves", (*row, digest(row)))
+    with pytest.raises(LedgerError, match="longer than any"):
+        ledger.curve("k1")
+
+
 def test_places_come_back_in_the_order_of_asking_and_share_evaluations(tmp_path: Path) -> None:
     ledger = Ledger(tmp_path / "ledger.sqlite")
-    first, second = Place(stage="coarse", morphology=3), Place(stage="fine", branch=1)
+    first, second = Place(stage="coarse", index=(3,)), Place(stage="fine", index=(1,))
     ledger.add_place(first, "k1")
     ledger.add_place(second, "k1")
-    ledger.add_place(Place(stage="fine", branch=2), "running")
+    ledger.add_place(Place(stage="fine", index=(2,)), "running")
     ledger.add_evaluation(GOOD)
     assert ledger.placed() == [(first, GOOD), (second, GOOD)]
 
 
 def test_a_proposal_is_found_only_for_the_same_input(tmp_path: Path) -> None:
     ledger = Ledger(tmp_path / "ledger.sqlite")
-    proposal = Proposal(Slot("coarse", "morphology", 0, 0), morphology=DESIGN.morphology)
+    proposal = Proposal(Slot("coarse", "morphology", (0,)), morphology=DESIGN.morphology)
     ledger.add_proposal(proposal, given="abc")
     assert ledger.proposal(proposal.slot, "abc") == proposal
     assert ledger.proposal(proposal.slot, "other") is None
-    assert ledger.proposal(Slot("coarse", "morphology", 0, 1), "abc") is None
+    assert ledger.proposal(Slot("coarse", "morphology", (1,)), "abc") is None
 
 
 def test_a_changed_row_is_refused_not_believed(tmp_path: Path) -> None:
@@ -84,7 +111,8 @@ def test_a_changed_row_is_refused_not_believed(tmp_path: Path) -> None:
     [
         "UPDATE evaluations SET key = 'k3' WHERE key = 'k1'",
         "UPDATE evaluations SET time = time + 1",
-        "UPDATE places SET place = replace(place, ':3', ':4')",
+        "UPDATE curves SET key = 'k2'",
+        "UPDATE places SET place = replace(place, '[3]', '[4]')",
         "UPDATE places SET evaluation = 'k2'",
         "UPDATE places SET seq = 7",
         "UPDATE proposals SET given = 'other'",
@@ -95,9 +123,9 @@ def test_a_changed_row_is_refused_not_believed(tmp_path: Path) -> None:
 def test_every_column_is_under_the_digest(tmp_path: Path, change: str) -> None:
     path = tmp_path / "ledger.sqlite"
     ledger = Ledger(path)
-    ledger.add_evaluation(GOOD)
-    ledger.add_place(Place(stage="coarse", morphology=3), "k1")
-    ledger.add_proposal(Proposal(Slot("coarse", "morphology", 0, 0), DESIGN.morphology), "abc")
+    ledger.add_evaluation(replace(GOOD, curve=Curve((1,), {"alpha": (0.5,)})))
+    ledger.add_place(Place(stage="coarse", index=(3,)), "k1")
+    ledger.add_proposal(Proposal(Slot("coarse", "morphology", (0,)), DESIGN.morphology), "abc")
     ledger.add_event("interrupted")
     ledger.close()
     with sqlite3.connect(path) as db:

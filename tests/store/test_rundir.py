@@ -9,10 +9,20 @@ from typing import Any
 import pytest
 
 from robomore.errors import RunFolderError
+from robomore.plan import Plan, Stage
 from robomore.settings import preset
 from robomore.store import Manifest, RunFolder
 
-ASKED = Manifest("ant", 1, "smoke", "offline", "No LLM was used.", 3, preset("smoke"))
+ASKED = Manifest(
+    task="ant",
+    task_parts={"template": "a1", "reward": "b2"},
+    preset="smoke",
+    designer="offline",
+    provenance="No LLM was used.",
+    seed=3,
+    settings=preset("smoke"),
+    plan=Plan((Stage(name="grid", axes=("morphology", "reward"), shape=(2, 2)),)),
+)
 
 
 def test_the_same_run_may_continue(tmp_path: Path) -> None:
@@ -26,8 +36,9 @@ def test_the_same_run_may_continue(tmp_path: Path) -> None:
     ("change", "said"),
     [
         ({"task": "walker"}, "task is 'ant' there and 'walker' here"),
+        ({"task_parts": {"template": "a2", "reward": "b2"}}, r"ant was edited since \(template\)"),
         ({"seed": 4}, "seed is 3 there and 4 here"),
-        ({"designer": "human"}, "designer is 'offline' there"),
+        ({"designer": "llm"}, "designer is 'offline' there"),
         ({"settings": preset("quick"), "preset": "quick"}, "preset 'smoke'.*'quick'"),
         ({"versions": {"mujoco": "0"}}, "mujoco .* there, 0 here.*install those versions"),
     ],
@@ -84,7 +95,7 @@ def test_a_manifest_that_still_parses_is_not_believed(
 def test_a_newer_manifest_is_refused(tmp_path: Path) -> None:
     folder = RunFolder.prepare(tmp_path / "run", ASKED)
     folder.release()
-    text = folder.manifest.read_text().replace('"format": 2', '"format": 9')
+    text = folder.manifest.read_text().replace('"format": 3', '"format": 9')
     folder.manifest.write_text(text)
     with pytest.raises(RunFolderError, match=r"format 9.*newer"):
         Manifest.load(folder.manifest)

@@ -26,7 +26,7 @@ class BothWays:
 
     def __init__(self, task: str, n: int = 8) -> None:
         chosen = get_task(task)
-        self.batch = VectorEnv(chosen, chosen.human, n, auto_reset=False)
+        self.batch = VectorEnv(chosen, chosen.reference, n, auto_reset=False)
         self.n = n
 
     def run(self, source: str, steps: int = 14, seed: int = 0) -> BatchedReward:

@@ -31,21 +31,21 @@ def reference(task: str) -> RewardFunction:
 
 def ours(task: str, reward: RewardFunction | None = None, **options: Any) -> RobotEnvironment:
     chosen = get_task(task)
-    return environment_class(chosen)(chosen, chosen.human, reward or reference(task), **options)
+    return environment_class(chosen)(chosen, chosen.reference, reward or reference(task), **options)
 
 
 def simulations(task: str, n: int = 2, reward: Any = None, **options: Any) -> VectorEnv:
     chosen = get_task(task)
-    return VectorEnv(chosen, chosen.human, n, reward or reference(task), **options)
+    return VectorEnv(chosen, chosen.reference, n, reward or reference(task), **options)
 
 
 def official(task: str, folder: Path | None = None) -> gymnasium.Env[Any, Any]:
     """The official environment with the task's limits of health; our body with a `folder`."""
     chosen = get_task(task)
-    options = chosen.options(chosen.named(chosen.human))
+    options = chosen.options(chosen.named(chosen.reference))
     if folder is not None:
         body = folder / f"{task}.xml"
-        body.write_text(chosen.mjcf(chosen.human))
+        body.write_text(chosen.mjcf(chosen.reference))
         options["xml_file"] = str(body)
     return gymnasium.make(OFFICIAL[task], **options)
 

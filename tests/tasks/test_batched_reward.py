@@ -58,7 +58,7 @@ return np.sum(list(terms.values())), terms
 def batch_of(body: str, task: str = "hopper", n: int = 8, **options: Any) -> VectorEnv:
     chosen = get_task(task)
     reward = reward_function(program(body))
-    batch = VectorEnv(chosen, chosen.human, n, reward, **options)
+    batch = VectorEnv(chosen, chosen.reference, n, reward, **options)
     batch.reset(0)
     return batch
 
@@ -97,7 +97,7 @@ def test_the_reward_is_called_once_a_step(monkeypatch: pytest.MonkeyPatch) -> No
 
     reward.__globals__["COUNT"] = count
     task = get_task("swimmer")
-    batch = VectorEnv(task, task.human, 8, reward)
+    batch = VectorEnv(task, task.reference, 8, reward)
     batch.reset(0)
     drive(batch, 20)
     assert calls[0] == 20 + 3 * 8

@@ -27,8 +27,8 @@ from robomore.tasks import TASKS, get_task
 @pytest.mark.parametrize("name", TASKS)
 def test_every_robot_is_drawn_part_by_part(name: str) -> None:
     task = TASKS[name]
-    scene = draw(task, task.human)
-    model = compile_model(task, task.human)
+    scene = draw(task, task.reference)
+    model = compile_model(task, task.reference)
     robot = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
     assert len(scene.strokes) == len(robot)
     assert np.isfinite(scene.low).all()
@@ -38,7 +38,7 @@ def test_every_robot_is_drawn_part_by_part(name: str) -> None:
 
 def test_the_swimmer_lies_stretched_out_as_seen_from_above() -> None:
     task = get_task("swimmer")
-    scene = draw(task, {**task.named(task.human), "front_length": 2.0, "back_radius": 0.05})
+    scene = draw(task, {**task.named(task.reference), "front_length": 2.0, "back_radius": 0.05})
     lengths = sorted(float(np.linalg.norm(s.end - s.start)) for s in scene.strokes)
     assert lengths == pytest.approx([1.0, 1.0, 2.0])
     assert sorted(stroke.radius for stroke in scene.strokes) == pytest.approx([0.05, 0.1, 0.1])
@@ -48,8 +48,8 @@ def test_the_swimmer_lies_stretched_out_as_seen_from_above() -> None:
 
 def test_the_hopper_stands_upright_as_seen_from_the_side() -> None:
     task = get_task("hopper")
-    scene = draw(task, task.human)
-    values = task.named(task.human)
+    scene = draw(task, task.reference)
+    values = task.named(task.reference)
     assert scene.high[1] == pytest.approx(values["torso_top"] + values["torso_radius"])
     # It walks to the right: the foot's tip is farther from the leg than its heel.
     foot = min(scene.strokes, key=lambda stroke: stroke.start[1] + stroke.end[1])
@@ -57,7 +57,7 @@ def test_the_hopper_stands_upright_as_seen_from_the_side() -> None:
 
 
 def test_the_ant_stands_on_the_ground_with_its_ankles_within_their_range() -> None:
-    model = compile_model(get_task("ant"), get_task("ant").human)
+    model = compile_model(get_task("ant"), get_task("ant").reference)
     qpos = rest_pose(model)
     limited = model.jnt_limited.astype(bool)
     at = qpos[model.jnt_qposadr[limited]]
@@ -76,7 +76,7 @@ def test_the_ant_stands_on_the_ground_with_its_ankles_within_their_range() -> No
 
 
 def test_near_parts_are_drawn_over_far_ones() -> None:
-    scene = draw(get_task("ant"), get_task("ant").human)
+    scene = draw(get_task("ant"), get_task("ant").reference)
     depths = [stroke.depth for stroke in scene.strokes]
     assert depths == sorted(depths)
     assert depths[0] < depths[-1]
@@ -97,7 +97,7 @@ def test_other_shapes_become_the_nearest_capsule() -> None:
 def test_the_elevation_is_that_of_the_height_field() -> None:
     task = get_task("ant-desert")
     assert task.terrain is not None
-    model = compile_model(task, task.human)
+    model = compile_model(task, task.reference)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     height = elevation(task.terrain)
@@ -112,7 +112,7 @@ def test_the_elevation_is_that_of_the_height_field() -> None:
 
 
 def test_ticks_stand_at_round_places() -> None:
-    view = view_of(compile_model(get_task("hopper"), get_task("hopper").human))
+    view = view_of(compile_model(get_task("hopper"), get_task("hopper").reference))
     profile, *ticks = ground_lines(view, np.array([10.3, 0.0, 1.0]), reach=1.0, spacing=0.5)
     assert [float(tick[0, 0]) for tick in ticks] == pytest.approx([9.5, 10.0, 10.5, 11.0])
     assert profile[:, 1] == pytest.approx(np.zeros(len(profile)))
@@ -125,7 +125,7 @@ def test_nice_lengths(most: float, nice: float) -> None:
 
 def test_svg_has_the_size_of_the_body_and_escapes_its_title() -> None:
     task = get_task("swimmer")
-    scene = draw(task, task.human)
+    scene = draw(task, task.reference)
     root = ElementTree.fromstring(svg(scene, Frame(np.zeros(2), 4.0, 400, 300), "a <b>"))
     name = "{http://www.w3.org/2000/svg}"
     assert root.findtext(f"{name}title") == "a <b>"
@@ -136,7 +136,7 @@ def test_svg_has_the_size_of_the_body_and_escapes_its_title() -> None:
 def test_bodies_in_frames_alike_have_one_scale() -> None:
     task = get_task("swimmer")
     small, large = (
-        draw(task, {**task.named(task.human), "front_length": length}) for length in (0.2, 3.0)
+        draw(task, {**task.named(task.reference), "front_length": length}) for length in (0.2, 3.0)
     )
     frames = [frame_around(scene, 400, 300, alike=[small, large]) for scene in (small, large)]
     assert frames[0].scale == pytest.approx(frames[1].scale)
@@ -147,7 +147,7 @@ def test_bodies_in_frames_alike_have_one_scale() -> None:
 
 def test_pixels_show_the_torso_where_it_is() -> None:
     task = get_task("hopper")
-    scene = draw(task, task.human)
+    scene = draw(task, task.reference)
     frame = frame_around(scene, 200, 150)
     picture = np.asarray(image(scene, frame))
     assert picture.shape == (150, 200, 3)
@@ -159,7 +159,7 @@ def test_pixels_show_the_torso_where_it_is() -> None:
 
 
 def test_pictures_are_written_by_their_suffix(tmp_path: Path) -> None:
-    scene = draw(get_task("walker"), get_task("walker").human)
+    scene = draw(get_task("walker"), get_task("walker").reference)
     save_picture(scene, tmp_path / "a.svg")
     save_picture(scene, tmp_path / "a.PNG")
     assert (tmp_path / "a.svg").read_text().startswith("<svg")

@@ -160,10 +160,10 @@ def test_options_of_the_official_class_can_be_given() -> None:
 
 def test_parameters_change_the_body() -> None:
     task = TASKS["swimmer"]
-    longer = environment_class(task)(task, [2.0, *task.human[1:]], lambda *_: (0.0, {}))
+    longer = environment_class(task)(task, [2.0, *task.reference[1:]], lambda *_: (0.0, {}))
     assert longer.model.body_mass[1] > ours("swimmer").model.body_mass[1]
     with pytest.raises(InvalidMorphology, match="front_length"):
-        environment_class(task)(task, [200.0, *task.human[1:]], lambda *_: (0.0, {}))
+        environment_class(task)(task, [200.0, *task.reference[1:]], lambda *_: (0.0, {}))
 
 
 def nothing(self: Any, x_velocity: float, action: Any) -> tuple[float, dict[str, float]]:

@@ -41,7 +41,7 @@ def test_parameters_and_rewards_are_taken_in_every_form() -> None:
         return 2 * x_velocity, {}
 
     text = "def _get_rew(self, x_velocity, action):\n    return 3 * x_velocity, {'m': math.pi}\n"
-    human = TASKS["swimmer"].human
+    human = TASKS["swimmer"].reference
     named = dict(zip(TASKS["swimmer"].names, human, strict=True))
     found = []
     for options in (

@@ -248,7 +248,7 @@ def test_a_reward_keeps_state_per_simulation_until_the_episode_ends() -> None:
         + "    self.count = getattr(self, 'count', 0) + 1\n"
         + "    return float(self.count), {}\n"
     )
-    batch = VectorEnv(task, task.human, 2, counting)
+    batch = VectorEnv(task, task.reference, 2, counting)
     batch.reset(0)
     expected = np.zeros(2)
     random = np.random.default_rng(0)

@@ -139,7 +139,7 @@ def test_positions_are_those_of_the_episode_that_ended() -> None:
 
 def test_without_a_reward_all_rewards_are_zero() -> None:
     task = get_task("swimmer")
-    bare = VectorEnv(task, task.human, 2)
+    bare = VectorEnv(task, task.reference, 2)
     bare.reset(0)
     paid = simulations("swimmer", 2)
     paid.reset(0)
@@ -182,7 +182,7 @@ def test_continues_to_the_last_bit(task: str) -> None:
 
 def test_continues_in_the_same_object_without_a_reward() -> None:
     task = get_task("walker")
-    batch = VectorEnv(task, task.human, 2)
+    batch = VectorEnv(task, task.reference, 2)
     batch.reset(0)
     drive(batch, 20, 0)
     state, observation = batch.state(), batch.observation.copy()

@@ -38,18 +38,18 @@ def test_the_eight_tasks_are_there() -> None:
 
 
 def test_human_volume(task: Task) -> None:
-    assert round(task.volume(task.human), 6) == VOLUMES[task.id]
+    assert round(task.volume(task.reference), 6) == VOLUMES[task.id]
 
 
 def test_human_body_is_a_valid_one_given_either_way(task: Task) -> None:
-    assert task.check(task.human) == task.human
-    assert task.check(dict(zip(task.names, task.human, strict=True))) == task.human
+    assert task.check(task.reference) == task.reference
+    assert task.check(dict(zip(task.names, task.reference, strict=True))) == task.reference
 
 
 def test_parameters_are_described_and_bounded(task: Task) -> None:
     assert len(set(task.names)) == len(task.names)
     for parameter in task.parameters:
-        assert parameter.low < parameter.human < parameter.high or parameter.human in (
+        assert parameter.low < parameter.reference < parameter.high or parameter.reference in (
             parameter.low,
             parameter.high,
         )
@@ -65,7 +65,7 @@ def test_wrong_count_says_how_many_it_takes(task: Task, count: int) -> None:
 
 def test_out_of_bounds_names_parameter_value_and_bound(task: Task) -> None:
     parameter = task.parameters[0]
-    body = dict(zip(task.names, task.human, strict=True)) | {parameter.name: 17.25}
+    body = dict(zip(task.names, task.reference, strict=True)) | {parameter.name: 17.25}
     with pytest.raises(InvalidMorphology) as refused:
         task.check(body)
     for said in (task.id, parameter.name, "17.25", f"{parameter.low:g}", f"{parameter.high:g}"):
@@ -74,9 +74,9 @@ def test_out_of_bounds_names_parameter_value_and_bound(task: Task) -> None:
 
 def test_no_number_is_refused(task: Task) -> None:
     with pytest.raises(InvalidMorphology, match="nan"):
-        task.check([math.nan, *task.human[1:]])
+        task.check([math.nan, *task.reference[1:]])
     with pytest.raises(InvalidMorphology, match="not a number"):
-        task.check(["wide", *task.human[1:]])  # type: ignore[list-item]
+        task.check(["wide", *task.reference[1:]])  # type: ignore[list-item]
 
 
 VIOLATIONS: list[tuple[str, int, dict[str, float], tuple[str, ...]]] = [
@@ -106,7 +106,7 @@ def test_each_rule_names_parameters_values_and_bound(
     id: str, index: int, changes: dict[str, float], said: tuple[str, ...]
 ) -> None:
     task = get_task(id)
-    body = dict(zip(task.names, task.human, strict=True))
+    body = dict(zip(task.names, task.reference, strict=True))
     assert task.rules[index].violation(body) is None
     fault = task.rules[index].violation(body | changes)
     assert fault is not None
@@ -153,7 +153,7 @@ def test_rewards_define_one_function(task: Task) -> None:
 def test_healthy_ranges() -> None:
     def options(id: str) -> dict[str, Any]:
         task = get_task(id)
-        return task.options(task.named(task.human))
+        return task.options(task.named(task.reference))
 
     assert options("ant") == {"healthy_z_range": (0.1, 2.3)}
     assert options("ant-powered") == {"healthy_z_range": (0, 10)}

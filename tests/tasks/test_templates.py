@@ -47,7 +47,7 @@ FREE_JOINT_HEIGHT = 2
 def pair(id: str) -> tuple[mujoco.MjModel, mujoco.MjModel]:
     theirs = mujoco.MjModel.from_xml_path(str(ASSETS / OFFICIAL[id]))
     task = get_task(id)
-    return theirs, compile_model(task, task.human)
+    return theirs, compile_model(task, task.reference)
 
 
 @pytest.fixture(params=TASKS.values(), ids=TASKS)
@@ -123,13 +123,13 @@ def test_half_cheetah_has_the_official_joints_and_contacts_and_weighs_the_same()
 def test_half_cheetah_weighs_the_same_whatever_its_volume() -> None:
     task = get_task("half-cheetah")
     thin = [0.01 if name.endswith("radius") else value
-            for name, value in zip(task.names, task.human, strict=True)]  # fmt: skip
+            for name, value in zip(task.names, task.reference, strict=True)]  # fmt: skip
     assert compile_model(task, thin).body_mass.sum() == pytest.approx(14, abs=1e-9)
 
 
 def test_every_placeholder_is_known(task: Task) -> None:
     assert names_used(task.template) == set(task.names) | set(task.constants)
-    assert "{" not in task.mjcf(task.human)
+    assert "{" not in task.mjcf(task.reference)
 
 
 def test_masked_text_is_the_template_with_its_constants(task: Task) -> None:
@@ -142,7 +142,7 @@ def test_masked_text_is_the_template_with_its_constants(task: Task) -> None:
 
 def test_masked_text_tells_no_human_number(task: Task) -> None:
     """No size or place of the robot's own parts may be readable."""
-    human = {abs(parameter.human) for parameter in task.parameters} - {0.0}
+    human = {abs(parameter.reference) for parameter in task.parameters} - {0.0}
     human |= {(a + b) / 2 for a in human for b in human}
     robot = ET.fromstring(task.masked_mjcf).find("./worldbody/body")
     assert robot is not None
@@ -159,16 +159,16 @@ def test_masked_text_tells_no_human_number(task: Task) -> None:
         assert not human & {abs(float(number)) for number in fixed.split()}, text
         for expression in re.findall(r"\{([^}]*)\}", text):
             numbers = re.findall(r"(?<![\w.])\d+\.?\d*", expression.replace("**2", ""))
-            alone = {float(number) for number in numbers} & {p.human for p in task.parameters}
+            alone = {float(number) for number in numbers} & {p.reference for p in task.parameters}
             assert not alone, text
 
 
 def test_every_parameter_has_an_effect(task: Task) -> None:
     """A dimension that changes nothing that is simulated would be free material."""
-    base = compile_model(task, task.human)
+    base = compile_model(task, task.reference)
     for index, parameter in enumerate(task.parameters):
-        body = list(task.human)
-        step = 0.01 if parameter.human + 0.01 <= parameter.high else -0.01
+        body = list(task.reference)
+        step = 0.01 if parameter.reference + 0.01 <= parameter.high else -0.01
         body[index] += step
         model = compile_model(task, body)
         assert not np.allclose(model.body_inertia, base.body_inertia, rtol=1e-6, atol=0), parameter

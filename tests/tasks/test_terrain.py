@@ -68,7 +68,8 @@ def test_the_same_seed_gives_the_same_ground() -> None:
 def on(chosen: Terrain) -> mujoco.MjModel:
     ant = get_task("ant")
     return compile_model(
-        replace(ant, terrain=chosen, template=ground.on_terrain(ant.template, chosen)), ant.human
+        replace(ant, terrain=chosen, template=ground.on_terrain(ant.template, chosen)),
+        ant.reference,
     )
 
 
@@ -88,10 +89,10 @@ def test_robot_starts_above_the_ground_whatever_its_size(name: str) -> None:
     chosen = TERRAINS[name]
     ant = get_task("ant")
     task = replace(ant, terrain=chosen, template=ground.on_terrain(ant.template, chosen))
-    wide = dict(zip(ant.names, ant.human, strict=True)) | {
+    wide = dict(zip(ant.names, ant.reference, strict=True)) | {
         "leg_x": 2.0, "leg_y": 2.0, "hip_x": 1.5, "hip_y": 1.5, "foot_x": 1.2, "foot_y": 1.2,
     }  # fmt: skip
-    for body in (dict(zip(ant.names, ant.human, strict=True)), wide):
+    for body in (dict(zip(ant.names, ant.reference, strict=True)), wide):
         model = compile_model(task, body)
         data = mujoco.MjData(model)
         data.qpos[:3] -= 0.1  # the largest reset noise
@@ -103,7 +104,7 @@ def test_robot_starts_above_the_ground_whatever_its_size(name: str) -> None:
 
 @pytest.mark.parametrize("place", [(0, 0), (32, 5), (96, -32), (700, 140), (-90, -150)])
 def test_a_dropped_robot_comes_to_rest_on_the_surface(place: tuple[float, float]) -> None:
-    model = compile_model(get_task("ant-desert"), get_task("ant-desert").human)
+    model = compile_model(get_task("ant-desert"), get_task("ant-desert").reference)
     data = mujoco.MjData(model)
     data.qpos[:2] = place
     surface = elevation(ground.DESERT, *place)

@@ -22,7 +22,7 @@ def evaluate(
     task: str,
     /,
     *,
-    parameters: str = "human",
+    parameters: str = "reference",
     reward: str = "reference",
     preset: str = "quick",
     steps: int | None = None,
@@ -40,7 +40,7 @@ def evaluate(
     task
         Id of a task (`robomore tasks` lists them).
     parameters
-        `human`, or a JSON file: a list in the task's order, or an object by name.
+        `reference`, or a JSON file: a list in the task's order, or an object by name.
     reward
         `reference`, or a Python file that defines `_get_rew(self, x_velocity, action)`.
     preset

@@ -11,7 +11,6 @@ from typing import Any
 from robomore.errors import InputError, InvalidReward
 from robomore.tasks import Task
 
-HUMAN = "human"
 REFERENCE = "reference"
 
 
@@ -20,16 +19,16 @@ def read_parameters(task: Task, given: str) -> tuple[float, ...]:
 
     Args:
         task: that they are for.
-        given: `human`, or the name of a JSON file: a list in the task's order, an object by name,
-            or a champion's `design.json`.
+        given: `reference`, or the name of a JSON file: a list in the task's order, an object
+            by name, or a champion's `design.json`.
 
     Raises:
         InputError: the file cannot be read or used.
         InvalidMorphology: the task refuses the parameters.
     """
-    if given == HUMAN:
-        return task.human
-    text = read_text(Path(given), f"name a JSON file, or `{HUMAN}` for the official robot")
+    if given == REFERENCE:
+        return task.reference
+    text = read_text(Path(given), f"name a JSON file, or `{REFERENCE}` for the official robot")
     try:
         found = json.loads(text)
     except ValueError as error:

@@ -35,9 +35,8 @@ def tasks(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False)
     lines = [f"{'task':14} {'parameters':>10}  {'human volume':>13}  to do"]
     for task in found:
         goal = "run far" if task.fitness == "distance" else "jump high"
-        lines.append(
-            f"{task.id:14} {len(task.parameters):10}  {task.volume(task.human):10.6f} m³  {goal}"
-        )
+        volume = task.volume(task.reference)
+        lines.append(f"{task.id:14} {len(task.parameters):10}  {volume:10.6f} m³  {goal}")
     lines.append("")
     lines.append("`robomore inspect TASK` shows a robot, `robomore run TASK` improves it.")
     sys.stdout.write("\n".join(lines) + "\n")
@@ -47,7 +46,7 @@ def inspect(
     task: str,
     /,
     *,
-    parameters: str = "human",
+    parameters: str = "reference",
     mjcf: Literal["filled", "masked"] | None = None,
     picture: Path | None = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
@@ -59,7 +58,7 @@ def inspect(
     task
         Id of a task (`robomore tasks` lists them).
     parameters
-        `human`, or a JSON file: a list in the task's order, or an object by name.
+        `reference`, or a JSON file: a list in the task's order, or an object by name.
     mjcf
         Print the robot's MJCF text and nothing else: `filled` with these parameters, or `masked`
         as a designer sees it.
@@ -111,13 +110,13 @@ def _as_data(task: Task) -> dict[str, Any]:
         "title": task.title,
         "description": task.description,
         "fitness": task.fitness,
-        "volume": task.volume(task.human),
+        "volume": task.volume(task.reference),
         "parameters": [
             {
                 "name": parameter.name,
                 "low": parameter.low,
                 "high": parameter.high,
-                "human": parameter.human,
+                "reference": parameter.reference,
                 "unit": parameter.unit,
                 "scale": parameter.scale,
                 "meaning": parameter.meaning,
@@ -142,7 +141,7 @@ def _print_body(
     if screen.is_terminal:
         _print_picture(task, values)
     table = Table(box=None, pad_edge=False)
-    for heading, side in (("parameter", "left"), ("value", "right"), ("human", "right")):
+    for heading, side in (("parameter", "left"), ("value", "right"), ("reference", "right")):
         table.add_column(heading, justify="right" if side == "right" else "left")
     table.add_column("bounds")
     table.add_column("meaning")
@@ -150,7 +149,7 @@ def _print_body(
         table.add_row(
             parameter.name,
             f"{value:g} {parameter.unit}",
-            f"{parameter.human:g}",
+            f"{parameter.reference:g}",
             f"{parameter.low:g} … {parameter.high:g}",
             parameter.meaning,
         )

@@ -21,7 +21,7 @@ class HumanDesigner:
     provenance = "No LLM was used: the official robot and the official reward, made by people."
 
     def __init__(self, task: Task) -> None:
-        self._morphology = Morphology(task.human, "the official robot")
+        self._morphology = Morphology(task.reference, "the official robot")
         self._reward = Reward(task.reward, "the official reward")
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:

@@ -42,7 +42,7 @@ class RandomDesigner:
         self._task = task
         self._seed = seed
         self._space = UnitSpace(task)
-        self._mean = np.array(task.human)
+        self._mean = np.array(task.reference)
         self._low = np.array([parameter.low for parameter in task.parameters])
         self._high = np.array([parameter.high for parameter in task.parameters])
         size = np.maximum(np.abs(self._mean), LEAST_SHARE * (self._high - self._low))

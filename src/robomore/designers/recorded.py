@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from robomore.designers.designer import Designer
-from robomore.errors import ProposalFailed
+from robomore.errors import ProposalFailed, TimeLimitReached
 from robomore.events import Observer, Proposed, ignore
 from robomore.identity import content_key
 from robomore.store.ledger import Ledger, Proposal
@@ -24,13 +24,20 @@ class RecordedDesigner:
     the search. May be called from several threads.
     """
 
-    def __init__(self, designer: Designer, ledger: Ledger, observe: Observer = ignore) -> None:
+    def __init__(
+        self,
+        designer: Designer,
+        ledger: Ledger,
+        observe: Observer = ignore,
+        time_is_up: Callable[[], bool] = lambda: False,
+    ) -> None:
         self.name = designer.name
         self.provenance = designer.provenance
         self.reflects = getattr(designer, "reflects", True)
         self._designer = designer
         self._ledger = ledger
         self._observe = observe
+        self._time_is_up = time_is_up
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """See `Designer.propose_morphology`."""
@@ -82,6 +89,8 @@ class RecordedDesigner:
             fresh = replace(slot, attempt=attempt)
             proposal = self._ledger.proposal(fresh, given)
             if proposal is None:
+                if self._time_is_up():
+                    raise TimeLimitReached(f"the {slot} was not asked for any more")
                 try:
                     proposal = ask(fresh)
                 except ProposalFailed as error:

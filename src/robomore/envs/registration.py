@@ -46,7 +46,7 @@ def register() -> None:
 
 def make_environment(
     task: str,
-    parameters: Sequence[float] | Mapping[str, float] | str = "human",
+    parameters: Sequence[float] | Mapping[str, float] | str = "reference",
     reward: RewardFunction | str = "reference",
     render_mode: str | None = None,
     **options: Any,
@@ -55,7 +55,7 @@ def make_environment(
 
     Args:
         task: id of the task.
-        parameters: in the task's order, by name, or `human`.
+        parameters: in the task's order, by name, or `reference`.
         reward: a function `(self, x_velocity, action) -> (number, terms)`, the text of a module
             that defines `_get_rew`, or `reference`. Text is executed in this process.
         render_mode: as in Gymnasium.
@@ -71,9 +71,9 @@ def make_environment(
 
     chosen = get_task(task)
     if isinstance(parameters, str):
-        if parameters != "human":
-            raise InvalidMorphology(f"parameters are 'human' or numbers, not {parameters!r}")
-        parameters = chosen.human
+        if parameters != "reference":
+            raise InvalidMorphology(f"parameters are 'reference' or numbers, not {parameters!r}")
+        parameters = chosen.reference
     if isinstance(reward, str):
         reward = reward_function(chosen.reward if reward == "reference" else reward)
     return environment_class(chosen)(chosen, parameters, reward, render_mode, **options)

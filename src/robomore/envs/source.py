@@ -129,9 +129,9 @@ def _cut_weights(constructor: ast.FunctionDef, needed: set[str]) -> None:
 
 def _set_options(constructor: ast.FunctionDef, task: Task) -> None:
     """Show the task's own options; what depends on the body stands after `*`, without a value."""
-    human = dict(zip(task.names, task.human, strict=True))
-    options = task.options(human)
-    others = task.options({name: 1.5 * value for name, value in human.items()})
+    reference = dict(zip(task.names, task.reference, strict=True))
+    options = task.options(reference)
+    others = task.options({name: 1.5 * value for name, value in reference.items()})
     arguments = constructor.args
     first = len(arguments.args) - len(arguments.defaults)
     for name, value in options.items():

@@ -20,24 +20,25 @@ from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
 from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import choose, measure
-from robomore.evaluation.request import Request, believed
+from robomore.evaluation.request import Answer, Request, believed
 from robomore.evaluation.train import POLICIES
 from robomore.rewards.check import check_reward
 from robomore.sandbox.contain import Containment, run_contained
-from robomore.tasks import Task, get_task
+from robomore.tasks import TASKS, Task
+from robomore.tasks.fingerprint import task_key
 from robomore.training.compilation import CACHE_VARIABLE
-from robomore.training.policy import POLICY, MLPPolicy
+from robomore.training.policy import MLPPolicy
 from robomore.training.warm import Shape
-from robomore.types import Evaluation, Status
+from robomore.types import Evaluation, Job, Status
 
 
 def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
-    """Do an encoded `Request`; returns an encoded `Evaluation`. What executors call."""
+    """Do an encoded `Request`; returns an encoded `Answer`. What executors call."""
     request = msgspec.json.decode(payload, type=Request)
     return msgspec.json.encode(evaluate(request, progress))
 
 
-def evaluate(request: Request, progress: Callable[[int], None]) -> Evaluation:
+def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     """Return what training the request's design gives. Never raises for a bad design.
 
     Args:
@@ -47,10 +48,11 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Evaluation:
     began = time.process_time()
     job, key = request.job, request.key
     scratch = Path(request.scratch)
+    policy: MLPPolicy | None = None
     shutil.rmtree(scratch, ignore_errors=True)
     try:
         scratch.mkdir(parents=True)
-        evaluation = _evaluate(request, get_task(job.task), scratch, progress)
+        evaluation, policy = _evaluate(request, _task(job), scratch, progress)
     except InvalidMorphology as error:
         evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
     except UnstableSimulation as error:
@@ -62,19 +64,32 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Evaluation:
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     own_seconds = time.process_time() - began
-    return replace(evaluation, seconds=evaluation.seconds + own_seconds)
+    evaluation = replace(evaluation, seconds=evaluation.seconds + own_seconds)
+    return Answer(evaluation, policy.to_bytes() if policy else b"")
+
+
+def _task(job: Job) -> Task:
+    """Return the job's task, unless this worker knows another one of that name."""
+    task = TASKS.get(job.task)
+    if task_key(task) != job.task_key:
+        raise RuntimeError(
+            f"this worker knows the task {job.task} with another content than the run does: "
+            "its package was edited, or is of another version here; start the run anew"
+        )
+    return task
 
 
 def _evaluate(
     request: Request, task: Task, scratch: Path, progress: Callable[[int], None]
-) -> Evaluation:
+) -> tuple[Evaluation, MLPPolicy | None]:
+    """Return the evaluation and, if all went well, the policy."""
     job, key = request.job, request.key
     parameters = task.check(job.design.morphology.parameters)
     body = body_facts(task, parameters)
     faults = [f for f in check_reward(job.design.reward.source) if f.severity == "error"]
     if faults:
         said = "; ".join(f"line {fault.line}: {fault.message}" for fault in faults)
-        return Evaluation(key, job, Status.INVALID_REWARD, said, body=body)
+        return Evaluation(key, job, Status.INVALID_REWARD, said, body=body), None
 
     containment = Containment(request.containment)
     robot = VectorEnv(task, parameters, 1)
@@ -92,9 +107,10 @@ def _evaluate(
         mode=containment,
     )
     if trained.status is not Status.OK:
-        return Evaluation(
+        failed = Evaluation(
             key, job, trained.status, trained.diagnosis, body=body, seconds=trained.seconds
         )
+        return failed, None
     try:
         training = believed(trained.reply)
         policies = [MLPPolicy.load(path) for path in sorted(scratch.glob(POLICIES))[-_MOST:]]
@@ -102,13 +118,12 @@ def _evaluate(
             raise ValueError("no policy")
     except ValueError as error:
         said = f"training ended without a fault and left nothing that can be used: {error}"
-        return Evaluation(key, job, Status.CRASHED, said, body=body, seconds=trained.seconds)
+        failed = Evaluation(key, job, Status.CRASHED, said, body=body, seconds=trained.seconds)
+        return failed, None
     policy = choose(task, parameters, policies, job.seed)
     measured = measure(task, parameters, policy, job.episodes, job.seed)
-    if request.artifact:
-        _keep(policy, Path(request.artifact))
     volume = task.volume(parameters)
-    return Evaluation(
+    evaluation = Evaluation(
         key,
         job,
         Status.OK,
@@ -121,20 +136,11 @@ def _evaluate(
         terms=training.terms,
         steps=job.steps,
         seconds=trained.seconds,
-        artifact=Path(request.artifact).name if request.artifact else "",
         notes=training.notes,
+        curve=training.curve,
     )
+    return evaluation, policy
 
 
 _MOST = 16
 """Policies that are looked at, whatever a child leaves."""
-
-
-def _keep(policy: MLPPolicy, artifact: Path) -> None:
-    """Leave the policy in `artifact`, whole or not at all."""
-    partial = artifact.with_name(artifact.name + ".partial")
-    shutil.rmtree(partial, ignore_errors=True)
-    partial.mkdir(parents=True)
-    policy.save(partial / POLICY)
-    shutil.rmtree(artifact, ignore_errors=True)
-    partial.replace(artifact)

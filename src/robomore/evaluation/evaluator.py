@@ -4,23 +4,34 @@ from __future__ import annotations
 
 import logging
 import shutil
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import msgspec
 
-from robomore.errors import NoWorker, RunFolderError
-from robomore.evaluation.request import Request
+from robomore.errors import NoWorker, RunFolderError, TimeLimitReached
+from robomore.evaluation.request import Answer, Request
 from robomore.events import BatchBegan, Finished, Observer, Progressed, Started, ignore
-from robomore.executors.executor import Done, Executor, Failed, Outcome, Progress
+from robomore.executors.executor import Executor, Failed, Outcome, Progress, never
 from robomore.identity import content_key, derive_seed, job_key, training_key
 from robomore.settings import Budget
 from robomore.store.ledger import Ledger
 from robomore.store.rundir import RunFolder
+from robomore.tasks.fingerprint import task_key
+from robomore.tasks.task import Task
 from robomore.training.policy import POLICY, MLPPolicy
-from robomore.types import Evaluation, Job, Limits, Place, Status, TrainerSettings, Trial
+from robomore.types import (
+    Design,
+    Evaluation,
+    Job,
+    Limits,
+    Place,
+    Status,
+    TrainerSettings,
+    Trial,
+)
 
 _WORK = "robomore.evaluation.evaluate:work"
 _GRACE_SECONDS = 300.0
@@ -38,8 +49,8 @@ class Evaluator:
     """Measures trials for one run.
 
     Attributes:
-        task: id of the task.
-        trainer: how policies are trained.
+        task: what designs are measured in.
+        trainer: how policies are trained, but for what the task tunes.
         seed: of the run; with design and repeat it decides each training's seed.
         versions: part of every evaluation's key.
         ledger: what is known, and where new results go.
@@ -47,9 +58,10 @@ class Evaluator:
         executor: does the work.
         containment: `strict` or `relaxed`.
         observe: told what goes on.
+        time_is_up: asked before an evaluation is started; once it is, none is.
     """
 
-    task: str
+    task: Task
     trainer: TrainerSettings
     seed: int
     versions: dict[str, str]
@@ -58,20 +70,25 @@ class Evaluator:
     executor: Executor
     containment: str = "strict"
     observe: Observer = field(default=ignore)
+    time_is_up: Callable[[], bool] = field(default=never)
 
     def measure(
-        self, trials: Sequence[Trial], budget: Budget, share: float = 1.0
+        self, trials: Sequence[Trial], *, budget: Budget, budget_fraction: float = 1.0
     ) -> list[Evaluation]:
         """Return one evaluation for each trial, in order. Trials of equal content share one.
 
         Args:
             trials: what is to be measured.
             budget: of each in full.
-            share: of the steps to train for now. What was trained for a share goes on from there
-                when it is asked for more in the next batch, and is dropped when it is not; either
-                way the numbers are those of training in one go.
+            budget_fraction: of the steps to train for now. What was trained for a fraction goes on
+                from there when it is asked for more in the next batch, and is dropped when it is
+                not; either way the numbers are those of training in one go.
+
+        Raises:
+            TimeLimitReached: the time is up before all of them are measured; those that are stay
+                known.
         """
-        jobs = [self._job(trial, budget, share) for trial in trials]
+        jobs = [self._job(trial, budget, budget_fraction) for trial in trials]
         self._drop_checkpoints(but=jobs)
         keys = [job_key(job, self.versions) for job in jobs]
         known = {key: found for key in keys if (found := self.ledger.evaluation(key))}
@@ -86,8 +103,12 @@ class Evaluator:
             if key not in known
         }
         for tries_left in reversed(range(_TRIES)):
-            known |= self._do(missing, accept_crashes=not tries_left, leave_checkpoints=share < 1)
+            known |= self._do(
+                missing, accept_crashes=not tries_left, leave_checkpoints=budget_fraction < 1
+            )
             missing = {key: job for key, job in missing.items() if key not in known}
+            if missing and self.time_is_up():
+                raise TimeLimitReached(f"{len(missing)} evaluations of a batch were not started")
         return [known[key] for key in keys]
 
     def restore_policies(self, evaluations: Sequence[Evaluation]) -> None:
@@ -99,7 +120,7 @@ class Evaluator:
         lost = {e.key: e for e in evaluations if e.artifact and not self._has_policy(e)}
         jobs = {key: e.job for key, e in lost.items()}
         with closing(self._trained(jobs, lambda index, steps: None)) as trained:
-            for again in trained:
+            for again, policy in trained:
                 before = lost[again.key]
                 if again.episode_fitness != before.episode_fitness:
                     raise RunFolderError(
@@ -107,6 +128,7 @@ class Evaluator:
                         f"read, and training it again gave a fitness of {again.fitness} m in the "
                         f"place of {before.fitness} m; restore it from a copy"
                     )
+                self._keep_policy(again, policy)
 
     def _has_policy(self, evaluation: Evaluation) -> bool:
         try:
@@ -136,11 +158,12 @@ class Evaluator:
 
         jobs = {key: job for key, (job, _) in missing.items()}
         with closing(self._trained(jobs, progress, leave_checkpoints)) as trained:
-            for evaluation in trained:
+            for evaluation, policy in trained:
                 if evaluation.status in _SUSPECT:
                     self.folder.ensure_writable()
                     if not accept_crashes:
                         continue
+                evaluation = self._keep_policy(evaluation, policy)
                 self.ledger.add_evaluation(evaluation)
                 job, place = missing[evaluation.key]
                 if not leave_checkpoints:
@@ -151,8 +174,8 @@ class Evaluator:
 
     def _trained(
         self, jobs: Mapping[str, Job], progress: Progress, leave_checkpoints: bool = False
-    ) -> Generator[Evaluation]:
-        """Yield the evaluation of each job, by key, as it is done. Nothing is written down."""
+    ) -> Generator[tuple[Evaluation, bytes]]:
+        """Yield evaluation and policy of each job as it is done. Nothing is written down."""
         keys = list(jobs)
         payloads = [
             msgspec.json.encode(self._request(key, job, leave_checkpoints))
@@ -161,9 +184,24 @@ class Evaluator:
         wall_seconds = max((job.limits.wall_seconds for job in jobs.values()), default=0.0)
         timeout = wall_seconds + _GRACE_SECONDS
         # Closed at once on Ctrl-C, so that no worker outlives its run.
-        with closing(self.executor.map(_WORK, payloads, progress, timeout)) as outcomes:
+        with closing(
+            self.executor.map(_WORK, payloads, progress, timeout, self.time_is_up)
+        ) as outcomes:
             for index, outcome in outcomes:
-                yield _evaluation(keys[index], jobs[keys[index]], outcome)
+                yield _answer(keys[index], jobs[keys[index]], outcome)
+
+    def _keep_policy(self, evaluation: Evaluation, policy: bytes) -> Evaluation:
+        """Write the policy into the run's folder, whole or not at all; return where it is."""
+        if not policy:
+            return evaluation
+        artifact = self.folder.artifacts / evaluation.key
+        partial = artifact.with_name(artifact.name + ".partial")
+        shutil.rmtree(partial, ignore_errors=True)
+        partial.mkdir(parents=True)
+        (partial / POLICY).write_bytes(policy)
+        shutil.rmtree(artifact, ignore_errors=True)
+        partial.replace(artifact)
+        return replace(evaluation, artifact=artifact.name)
 
     def _request(self, key: str, job: Job, leave_checkpoint: bool) -> Request:
         checkpoint = self._checkpoint(job)
@@ -172,7 +210,6 @@ class Evaluator:
             job=job,
             key=key,
             scratch=str(self.folder.scratch / key),
-            artifact=str(self.folder.artifacts / key),
             checkpoint=str(checkpoint) if continues else "",
             containment=self.containment,
         )
@@ -187,27 +224,56 @@ class Evaluator:
             if path not in wanted:
                 shutil.rmtree(path, ignore_errors=True)
 
-    def _job(self, trial: Trial, budget: Budget, share: float) -> Job:
+    def _job(self, trial: Trial, budget: Budget, budget_fraction: float) -> Job:
         parameters, source = trial.design.morphology.parameters, trial.design.reward.source
-        steps = round(share * budget.steps)
-        return Job(
-            task=self.task,
-            design=trial.design,
-            trainer=self.trainer,
-            steps=steps,
-            episodes=budget.episodes,
-            seed=derive_seed(self.seed, content_key(parameters, source), trial.place.repeat),
-            limits=Limits.for_steps(steps),
+        return make_job(
+            self.task,
+            trial.design,
+            self.trainer,
+            replace(budget, steps=round(budget_fraction * budget.steps)),
+            derive_seed(self.seed, content_key(parameters, source), trial.place.repeat),
         )
 
 
-def _evaluation(key: str, job: Job, outcome: Outcome) -> Evaluation:
-    if isinstance(outcome, Failed) and outcome.unstarted:
-        raise NoWorker(
-            f"{outcome.reason}; the same command goes on once it can, and everything that was "
-            "finished is kept"
-        )
-    if isinstance(outcome, Done):
-        return msgspec.json.decode(outcome.reply, type=Evaluation)
-    status = Status.TIMED_OUT if outcome.timed_out else Status.CRASHED
-    return Evaluation(key, job, status, outcome.reason)
+def make_job(
+    task: Task, design: Design, trainer: TrainerSettings, budget: Budget, seed: int
+) -> Job:
+    """Return a job with everything in it that decides its numbers.
+
+    Args:
+        task: what the design is measured in.
+        design: what is trained.
+        trainer: how, but for what is tuned to the task.
+        budget: of this evaluation.
+        seed: of training and measuring.
+    """
+    return Job(
+        task=task.id,
+        design=design,
+        trainer=trainer,
+        steps=budget.steps,
+        episodes=budget.episodes,
+        seed=seed,
+        limits=Limits.for_steps(budget.steps),
+        task_key=task_key(task),
+    )
+
+
+def _answer(key: str, job: Job, outcome: Outcome) -> tuple[Evaluation, bytes]:
+    if isinstance(outcome, Failed):
+        if outcome.unstarted:
+            raise NoWorker(
+                f"{outcome.reason}; the same command goes on once it can, and everything that was "
+                "finished is kept"
+            )
+        status = Status.TIMED_OUT if outcome.timed_out else Status.CRASHED
+        return Evaluation(key, job, status, outcome.reason), b""
+    try:
+        answer = msgspec.json.decode(outcome.reply, type=Answer)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        said = f"the worker's answer cannot be read: {error}"
+        return Evaluation(key, job, Status.FAILED, said), b""
+    if answer.evaluation.key != key:
+        said = f"the worker answered for {answer.evaluation.key[:24]!r}"
+        return Evaluation(key, job, Status.FAILED, said), b""
+    return answer.evaluation, answer.policy

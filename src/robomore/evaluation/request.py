@@ -8,7 +8,7 @@ from itertools import islice
 import msgspec
 
 from robomore.sandbox.sanitize import plain
-from robomore.types import Job, TermStatistics
+from robomore.types import Curve, Evaluation, Job, TermStatistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,6 @@ class Request:
         job: what to do.
         key: of the evaluation.
         scratch: folder that training may write to, made and emptied by the worker.
-        artifact: folder that the policy is left in when all went well; empty to leave none.
         checkpoint: folder to continue from and to leave a checkpoint in; empty for none.
         containment: `strict` refuses to run without the operating system's layers.
     """
@@ -27,9 +26,21 @@ class Request:
     job: Job
     key: str
     scratch: str
-    artifact: str = ""
     checkpoint: str = ""
     containment: str = "strict"
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What comes back from a worker, which may share no disk with whoever asked.
+
+    Attributes:
+        evaluation: what training the design gave.
+        policy: content of a policy file (`robomore.training.policy`); empty if there is none.
+    """
+
+    evaluation: Evaluation
+    policy: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +57,7 @@ class Training:
     steps: int
     terms: dict[str, TermStatistics] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    curve: Curve | None = None
 
 
 def believed(reply: bytes) -> Training:

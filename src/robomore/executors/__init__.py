@@ -1,13 +1,12 @@
 """Where evaluations run: a function, a list of jobs, and processes. Knows nothing of robots.
 
-`Inline` calls the function here, `Processes` keeps one worker process per slot. Both answer with
-one outcome per job; a worker that dies costs the job it had and nothing else. `Threads` is for
-calls that only wait.
+`Inline` calls the function here, which is what a debugger needs. `Processes` keeps one worker
+process per slot. Both answer with one outcome per job; a worker that dies costs the job it had and
+nothing else. `thread_map` is for calls that only wait. `EXECUTORS` names them for `--executor`.
 """
 
 from robomore.executors.executor import Done, Executor, Failed, Outcome
-from robomore.executors.inline import Inline
-from robomore.executors.processes import Processes
-from robomore.executors.thread_map import Threads
+from robomore.executors.executors import EXECUTORS
+from robomore.executors.thread_map import Threads as thread_map
 
-__all__ = ["Done", "Executor", "Failed", "Inline", "Outcome", "Processes", "Threads"]
+__all__ = ["EXECUTORS", "Done", "Executor", "Failed", "Outcome", "thread_map"]

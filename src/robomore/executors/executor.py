@@ -38,6 +38,11 @@ Progress = Callable[[int, int], None]
 """Told (job's index, units done); the first call for a job, with 0, says that it has started."""
 
 
+def never() -> bool:
+    """Return `False`: the jobs are not to be stopped."""
+    return False
+
+
 class Executor(Protocol):
     """Runs jobs of one function."""
 
@@ -49,6 +54,7 @@ class Executor(Protocol):
         payloads: Sequence[bytes],
         progress: Progress,
         timeout: float,
+        should_stop: Callable[[], bool] = never,
     ) -> Generator[tuple[int, Outcome]]:
         """Yield (index, outcome) of each payload as it finishes, in no particular order.
 
@@ -57,6 +63,9 @@ class Executor(Protocol):
             payloads: one per job.
             progress: told what goes on; called in this thread.
             timeout: seconds after which a job is given up and its worker killed.
+            should_stop: asked before each job starts. Once it returns `True`, no further job
+                starts; jobs under way finish and are yielded, those that have not started are
+                not. It may be called from several threads at once.
         """
         ...
 

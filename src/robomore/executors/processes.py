@@ -10,12 +10,12 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from typing import IO
 
 import msgspec
 
-from robomore.executors.executor import Done, Failed, Outcome, Progress
+from robomore.executors.executor import Done, Failed, Outcome, Progress, never
 from robomore.executors.messages import Call, Progressed, Replied, Reply
 
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -26,8 +26,8 @@ _INHERITED = (
 """What a worker sees of the parent's environment: enough to start Python, and no key."""
 _LOG_TAIL = 2000
 
-_Message = tuple[int, int | Outcome]
-"""(job's index, units done or outcome)"""
+_Message = tuple[int, int | Outcome] | Exception | None
+"""(job's index, units done or outcome); at a slot's end what it failed with, or `None`."""
 
 
 class Processes:
@@ -39,7 +39,12 @@ class Processes:
         self._slots = [_Slot() for _ in range(workers)]
 
     def map(
-        self, function: str, payloads: Sequence[bytes], progress: Progress, timeout: float
+        self,
+        function: str,
+        payloads: Sequence[bytes],
+        progress: Progress,
+        timeout: float,
+        should_stop: Callable[[], bool] = never,
     ) -> Generator[tuple[int, Outcome]]:
         """See `Executor.map`. Interrupting the iteration kills all workers."""
         waiting: queue.SimpleQueue[tuple[int, bytes]] = queue.SimpleQueue()
@@ -48,22 +53,29 @@ class Processes:
         said: queue.SimpleQueue[_Message] = queue.SimpleQueue()
         threads = [
             threading.Thread(
-                target=slot.serve, args=(function, waiting, said, timeout), daemon=True
+                target=slot.serve,
+                args=(function, waiting, said, timeout, should_stop),
+                daemon=True,
             )
             for slot in self._slots[: len(payloads)]
         ]
         for thread in threads:
             thread.start()
-        missing = len(payloads)
+        serving = len(threads)
         finished = False
         try:
-            while missing:
-                index, news = said.get()
-                if isinstance(news, int):
-                    progress(index, news)
+            while serving:
+                message = said.get()
+                if message is None:
+                    serving -= 1
+                elif isinstance(message, Exception):
+                    raise message
                 else:
-                    missing -= 1
-                    yield index, news
+                    index, news = message
+                    if isinstance(news, int):
+                        progress(index, news)
+                    else:
+                        yield index, news
             finished = True
         finally:
             if not finished:
@@ -92,25 +104,34 @@ class _Slot:
         waiting: queue.SimpleQueue[tuple[int, bytes]],
         said: queue.SimpleQueue[_Message],
         timeout: float,
+        should_stop: Callable[[], bool],
     ) -> None:
         """Take jobs until none waits. Every job taken gets an outcome, whatever happens."""
-        while not self._closed:
-            try:
+        failure = None
+        try:
+            while not self._closed and not should_stop():
                 index, payload = waiting.get_nowait()
-            except queue.Empty:
-                return
-            said.put((index, 0))
-            try:
-                outcome = self._run(Call(function, payload), index, said, timeout)
-            except Exception as error:  # noqa: BLE001  # or it would be waited for for ever
-                outcome = Failed(f"the worker process could not be used ({error})", unstarted=True)
-            said.put((index, outcome))
+                said.put((index, 0))
+                said.put((index, self._outcome(Call(function, payload), index, said, timeout)))
+        except queue.Empty:
+            pass  # all jobs have been taken
+        except Exception as error:  # noqa: BLE001  # raised again by `map`
+            failure = error
+        said.put(failure)
 
     def close(self) -> None:
         """Kill the worker, and with it whatever it started."""
         with self._lock:
             self._closed = True
         self._kill()
+
+    def _outcome(
+        self, call: Call, index: int, said: queue.SimpleQueue[_Message], timeout: float
+    ) -> Outcome:
+        try:
+            return self._run(call, index, said, timeout)
+        except Exception as error:  # noqa: BLE001  # or it would be waited for for ever
+            return Failed(f"the worker process could not be used ({error})", unstarted=True)
 
     def _run(
         self, call: Call, index: int, said: queue.SimpleQueue[_Message], timeout: float

@@ -38,7 +38,7 @@ def parameter_rows(summary: Summary) -> list[ParameterRow]:
             parameter,
             champion=(value := _value(summary.champion, parameter.name)),
             champion_at=None if value is None else position(parameter, value),
-            human_at=position(parameter, parameter.human),
+            human_at=position(parameter, parameter.reference),
         )
         for parameter in summary.task.parameters
     ]

@@ -93,7 +93,7 @@ def _bodies(summary: Summary) -> dict[str, Markup]:
     shown: dict[str, Contestant | None] = {"champion": summary.champion, "human": summary.human}
     parameters = {
         "champion": shown["champion"].parameters if shown["champion"] else None,
-        "human": dict(zip(summary.task.names, summary.task.human, strict=True)),
+        "human": dict(zip(summary.task.names, summary.task.reference, strict=True)),
     }
     scenes = {}
     for name, values in parameters.items():

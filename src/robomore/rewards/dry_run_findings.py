@@ -97,14 +97,14 @@ def bodies(task: Task, count: int) -> list[tuple[float, ...]]:
     random = np.random.default_rng(derive_seed("rehearsal", task.id, task.version))
     found: list[tuple[float, ...]] = []
     # Near the official robot, where bodies are valid more often than anywhere in the box.
-    human = space.units([task.human])
+    reference = space.units([task.reference])
     for _ in range(_DRAWS):
         if len(found) == count:
             break
-        drawn = space.values(human + random.normal(0.0, 0.15, human.shape))
+        drawn = space.values(reference + random.normal(0.0, 0.15, reference.shape))
         if space.valid(drawn)[0]:
             found.append(tuple(drawn[0].tolist()))
-    return [*found, task.human]
+    return [*found, task.reference]
 
 
 def _about_terms(seen: Rehearsed, line: int) -> list[Finding]:

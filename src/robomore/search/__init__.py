@@ -1,13 +1,13 @@
-"""The search decides what to try next; it knows nothing of robots, trainers or files.
+"""Search: whoever decides what is tried next. It knows nothing of trainers, physics or files.
 
-Each method is straight-line code over two things that it is given: a `Designer`, which proposes,
+A `SearchMethod` is straight-line code over two things that it is given: a designer, which proposes,
 and `evaluate`, which measures a batch and answers in the same order. `robomore` is the paper's
-algorithm, made of `coarse` and `fine`; `final` retrains its winner next to the human design.
+algorithm; `random` and `reference` are the simplest methods. `METHODS` names them all. `final` is
+the same for every method and belongs to none: it trains the winner anew, beside the reference.
 """
 
-from robomore.search.coarse import coarse
-from robomore.search.final import final
-from robomore.search.fine import fine
-from robomore.search.robomore import robomore
+from robomore.search.final import Final, final
+from robomore.search.method import SearchContext, SearchMethod
+from robomore.search.methods import METHODS, make_method
 
-__all__ = ["coarse", "final", "fine", "robomore"]
+__all__ = ["METHODS", "Final", "SearchContext", "SearchMethod", "final", "make_method"]

@@ -14,8 +14,10 @@ from robomore.types import Evaluation, Trial
 class Evaluate(Protocol):
     """Measures a batch; answers in its order, one each. A bad design gives a failed evaluation."""
 
-    def __call__(self, trials: Sequence[Trial], *, share: float = 1.0) -> list[Evaluation]:
-        """Return evaluations after a share of the full training; asked for more of it later, a
+    def __call__(
+        self, trials: Sequence[Trial], *, budget_fraction: float = 1.0
+    ) -> list[Evaluation]:
+        """Return evaluations after a fraction of the full training; asked for more of it later, a
         training goes on from where it was."""
         ...
 
@@ -30,16 +32,24 @@ def ranked(evaluations: Iterable[Evaluation], objective: str) -> list[Evaluation
     return [evaluation for _, evaluation in sorted(scored, key=lambda pair: -pair[0])]
 
 
+def survivor_count(fraction: float, pairs: int) -> int:
+    """Return how many of `pairs` are a fraction of them, at least one.
+
+    5 % of 125 pairs is 6.25: rounding half up keeps the paper's six.
+    """
+    return max(1, math.floor(fraction * pairs + 0.5))
+
+
 def top(
-    evaluations: Sequence[Evaluation], share: float, objective: str, pairs: int = 0
+    evaluations: Sequence[Evaluation], fraction: float, objective: str, pairs: int = 0
 ) -> list[Evaluation]:
-    """Return the best `share` of `evaluations`, at least one (paper, Alg. 1: Top(F, k)).
+    """Return the best fraction of `evaluations`, at least one (paper, Alg. 1: Top(F, k)).
 
     Args:
         evaluations: of the same budget.
-        share: to keep.
+        fraction: to keep.
         objective: `efficiency` or `fitness`.
-        pairs: what it is a share of, if that is more than `evaluations`.
+        pairs: what it is a fraction of, if that is more than `evaluations`.
 
     Raises:
         NothingTrained: all of them failed.
@@ -47,8 +57,7 @@ def top(
     best = ranked(evaluations, objective)
     if not best:
         raise NothingTrained(_why_nothing(evaluations))
-    # 5 % of 125 pairs is 6.25: rounding half up keeps the paper's six.
-    return best[: max(1, math.floor(share * max(pairs, len(evaluations)) + 0.5))]
+    return best[: survivor_count(fraction, max(pairs, len(evaluations)))]
 
 
 def improves(new: Evaluation, old: Evaluation, objective: str) -> bool:

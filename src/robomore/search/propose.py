@@ -4,30 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 from robomore.errors import NothingTrained, ProposalFailed
+from robomore.search.method import MapFn
 from robomore.types import Slot
 
 T = TypeVar("T")
 
 
-class MapFn(Protocol):
-    """Makes calls that do not depend on each other, in turn or side by side."""
-
-    def __call__(self, calls: Sequence[Callable[[], T]], /) -> list[T]:
-        """Return what the calls return, in their order."""
-        ...
-
-
-def sequential_map(calls: Sequence[Callable[[], T]], /) -> list[T]:
-    """Make one call after the other."""
-    return [call() for call in calls]
-
-
-def independent(asks: Sequence[Callable[[], T]], together: MapFn) -> list[T | ProposalFailed]:
+def independent(asks: Sequence[Callable[[], T]], map_fn: MapFn) -> list[T | ProposalFailed]:
     """Return one proposal for each of `asks`, in order, or why the designer has none."""
-    return together([partial(_or_why_not, ask) for ask in asks])
+    return map_fn([partial(_or_why_not, ask) for ask in asks])
 
 
 def diverse(

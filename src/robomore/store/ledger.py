@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import zlib
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,14 @@ from robomore.errors import RoboMoReError
 from robomore.events import Cut, Observer
 from robomore.events import Event as Happening
 from robomore.store.rows import Rows
-from robomore.types import Evaluation, Morphology, Place, Reward, Slot
+from robomore.types import Curve, Evaluation, Morphology, Place, Reward, Slot
 
-SCHEMA = 2
+SCHEMA = 3
 """Raised when the tables change."""
 
 _TABLES = """
 CREATE TABLE evaluations (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
+CREATE TABLE curves (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
 CREATE TABLE places
   (place TEXT PRIMARY KEY, evaluation TEXT, seq INTEGER, time REAL, digest BLOB) STRICT;
 CREATE TABLE proposals
@@ -26,12 +28,16 @@ CREATE TABLE proposals
 CREATE TABLE exchanges (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
 CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL, digest BLOB) STRICT;
 """
-TABLES = ("evaluations", "places", "proposals", "exchanges", "events")
+TABLES = ("evaluations", "curves", "places", "proposals", "exchanges", "events")
+
+
+_LONGEST_CURVE = 2**20
+"""Bytes of a curve when it is unpacked."""
 
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
-    """What a designer answered in one slot: a body, a reward, or why there is none."""
+    """What a designer answered in one slot: a morphology, a reward, or why there is none."""
 
     slot: Slot
     morphology: Morphology | None = None
@@ -75,13 +81,31 @@ class Ledger(Rows):
     # Evaluations ---------------------------------------------------------------------------------
 
     def evaluation(self, key: str) -> Evaluation | None:
-        """Return the evaluation of that key, if it was done."""
+        """Return the evaluation of that key without its curve, if it was done."""
         for _, body, _ in self._select("SELECT * FROM evaluations WHERE key = ?", (key,)):
             return self._decode(body, Evaluation)
         return None
 
     def add_evaluation(self, evaluation: Evaluation) -> None:
-        self._insert("evaluations", evaluation.key, msgspec.json.encode(evaluation))
+        """Keep an evaluation; its curve goes into a table of its own, compressed."""
+        if evaluation.curve is not None:
+            body = zlib.compress(msgspec.json.encode(evaluation.curve), 9)
+            self._insert("curves", evaluation.key, body)
+        bare = replace(evaluation, curve=None)
+        self._insert("evaluations", evaluation.key, msgspec.json.encode(bare))
+
+    def curve(self, key: str) -> Curve | None:
+        """Return the training curve of the evaluation of that key, if it has one."""
+        for _, body, _ in self._select("SELECT * FROM curves WHERE key = ?", (key,)):
+            opener = zlib.decompressobj()
+            try:
+                text = opener.decompress(body, _LONGEST_CURVE)
+            except zlib.error as error:
+                raise self.damaged(error) from None
+            if opener.unconsumed_tail:
+                raise self.damaged("a curve is longer than any can be")
+            return self._decode(text, Curve)
+        return None
 
     def add_place(self, place: Place, key: str) -> None:
         """Note that the search asked for an evaluation in this place."""
@@ -103,7 +127,7 @@ class Ledger(Rows):
         return found
 
     def evaluations(self) -> list[Evaluation]:
-        """Return all evaluations, oldest first."""
+        """Return all evaluations without their curves, oldest first."""
         rows = self._select("SELECT * FROM evaluations ORDER BY rowid")
         return [self._decode(body, Evaluation) for _, body, _ in rows]
 

@@ -12,9 +12,10 @@ from typing import Any
 import msgspec
 
 from robomore.errors import RunFolderError
+from robomore.plan import Plan
 from robomore.settings import RunSettings
 
-FORMAT = 2
+FORMAT = 3
 """Raised when a run folder's layout changes."""
 
 _DIGEST = "digest"
@@ -40,18 +41,33 @@ def package_versions(*more: str) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """The head of a run folder (`run.json`)."""
+    """The head of a run folder (`run.json`).
+
+    Attributes:
+        task: id of the task.
+        task_parts: what the task consisted of, a digest of each part by name
+            (`robomore.tasks.fingerprint`).
+        preset: name of the settings.
+        designer: name of the designer; empty for a method that asks none.
+        provenance: one plain sentence on what made the proposals.
+        seed: of the run.
+        settings: method, trainer and budgets.
+        plan: the stages, the final among them.
+        designer_settings: what decides the proposals of a designer that has settings of its own,
+            such as the language model and how it is used; never a key.
+        versions: of the packages that can change the numbers.
+        format: of the folder.
+    """
 
     task: str
-    task_version: int
+    task_parts: dict[str, str]
     preset: str
     designer: str
     provenance: str
     seed: int
     settings: RunSettings
+    plan: Plan
     designer_settings: dict[str, Any] = field(default_factory=dict)
-    """What decides the proposals of a designer that has settings of its own, such as the language
-    model and how it is used; never a key."""
     versions: dict[str, str] = field(default_factory=package_versions)
     format: int = FORMAT
 
@@ -97,7 +113,7 @@ class Manifest:
             RunFolderError: naming what differs and what to do.
         """
         for name in (
-            *("task", "task_version", "designer", "designer_settings", "seed"),
+            *("task", "task_parts", "designer", "designer_settings", "seed"),
             *("settings", "versions"),
         ):
             mine, theirs = getattr(self, name), getattr(asked, name)
@@ -106,12 +122,13 @@ class Manifest:
             remedy = "choose another folder with --out"
             if name in ("task", "designer", "seed"):
                 said = f"{name} is {mine!r} there and {theirs!r} here"
+            elif name == "task_parts":
+                parts = sorted(k for k in mine | theirs if mine.get(k) != theirs.get(k))
+                said = f"the task {self.task} was edited since ({', '.join(parts)})"
             elif name == "settings":
                 said = f"its settings (preset {self.preset!r}) differ from these ({asked.preset!r})"
             elif name == "designer_settings":
                 said = "its designer was told otherwise: " + _difference(mine, theirs)
-            elif name == "task_version":
-                said = f"its task has version {mine}, this RoboMoRe has version {theirs}"
             else:
                 said = "other package versions made it: " + _difference(mine, theirs)
                 remedy += " or install those versions"

@@ -9,7 +9,7 @@ need no simulator; `robomore.envs.compile` turns parameters into a MuJoCo model.
 from __future__ import annotations
 
 from robomore.tasks.geometry import Capsule, Shape, Sphere
-from robomore.tasks.registry import TASKS, all_tasks, get_task
+from robomore.tasks.registry import TASKS, get_task
 from robomore.tasks.task import Parameter, Rule, Task, Terrain, Values
 
 __all__ = [
@@ -22,6 +22,5 @@ __all__ = [
     "Task",
     "Terrain",
     "Values",
-    "all_tasks",
     "get_task",
 ]

@@ -113,12 +113,12 @@ def _out_of_proportion(values: Values) -> str | None:
     )
 
 
-def _position(name: str, human: float, high: float, meaning: str) -> Parameter:
-    return Parameter(name, 0.01, high, human, meaning, scale="log")
+def _position(name: str, reference: float, high: float, meaning: str) -> Parameter:
+    return Parameter(name, 0.01, high, reference, meaning, scale="log")
 
 
-def _radius(name: str, human: float, high: float, meaning: str) -> Parameter:
-    return Parameter(name, 0.005, high, human, meaning, scale="log")
+def _radius(name: str, reference: float, high: float, meaning: str) -> Parameter:
+    return Parameter(name, 0.005, high, reference, meaning, scale="log")
 
 
 ANT = Task(

@@ -63,11 +63,11 @@ def shapes(values: Values, legs: int) -> tuple[Shape, ...]:
 def parameters(foot_back: float, foot_front: float, foot_note: str = "") -> tuple[Parameter, ...]:
     """Return the free dimensions of Hopper and Walker, which differ in the official foot alone."""
 
-    def height(name: str, low: float, high: float, human: float, meaning: str) -> Parameter:
-        return Parameter(name, low, high, human, meaning + ", standing upright", scale="log")
+    def height(name: str, low: float, high: float, reference: float, meaning: str) -> Parameter:
+        return Parameter(name, low, high, reference, meaning + ", standing upright", scale="log")
 
-    def radius(name: str, human: float, meaning: str) -> Parameter:
-        return Parameter(name, 0.005, 0.25, human, f"radius of {meaning}", scale="log")
+    def radius(name: str, reference: float, meaning: str) -> Parameter:
+        return Parameter(name, 0.005, 0.25, reference, f"radius of {meaning}", scale="log")
 
     return (
         height("torso_top", 0.17, 3.0, 1.45, "height of the torso's upper end above the ground"),

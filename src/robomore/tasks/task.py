@@ -27,7 +27,7 @@ class Parameter:
         name: as it stands in the template and in parameter files.
         low: smallest allowed value, in `unit`.
         high: largest allowed value, in `unit`.
-        human: value of the official robot (never shown to a designer).
+        reference: value of the official robot (never shown to a designer).
         meaning: one line for designers and people.
         unit: SI unit.
         scale: how a search should step through the range; `log` for sizes that span decades.
@@ -36,7 +36,7 @@ class Parameter:
     name: str
     low: float
     high: float
-    human: float
+    reference: float
     meaning: str
     unit: str = "m"
     scale: Literal["linear", "log"] = "linear"
@@ -125,9 +125,9 @@ class Task:
     version: int = 1
 
     @property
-    def human(self) -> tuple[float, ...]:
+    def reference(self) -> tuple[float, ...]:
         """Parameters of the official robot, in the task's order."""
-        return tuple(parameter.human for parameter in self.parameters)
+        return tuple(parameter.reference for parameter in self.parameters)
 
     @property
     def names(self) -> tuple[str, ...]:

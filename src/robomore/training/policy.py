@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -42,11 +43,17 @@ class MLPPolicy:
         actions: NDArray[np.float32] = np.tanh(hidden @ last[0] + last[1])
         return actions
 
-    def save(self, path: Path) -> None:
-        """Write one `.npz` with arrays `weight0`, `bias0`, `weight1`, …"""
+    def to_bytes(self) -> bytes:
+        """Return the content of a policy file: `.npz` with `weight0`, `bias0`, `weight1`, …"""
         arrays = {f"weight{i}": weight for i, weight in enumerate(self.weights)}
         arrays |= {f"bias{i}": bias for i, bias in enumerate(self.biases)}
-        np.savez(path, **arrays)  # type: ignore[arg-type]  # numpy types **kwargs as its own flags
+        file = io.BytesIO()
+        np.savez(file, **arrays)  # type: ignore[arg-type]  # numpy types **kwargs as its own flags
+        return file.getvalue()
+
+    def save(self, path: Path) -> None:
+        """Write a policy file."""
+        path.write_bytes(self.to_bytes())
 
     @classmethod
     def load(cls, path: Path) -> MLPPolicy:

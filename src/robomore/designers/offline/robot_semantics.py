@@ -66,7 +66,7 @@ def anatomy(task: Task) -> Anatomy:
     if task.terrain is not None:
         # The ground rises and falls under the robot: its height says nothing.
         found = {name: text for name, text in found.items() if name not in ("height", "rest")}
-    options = task.options(dict(zip(task.names, task.human, strict=True)))
+    options = task.options(dict(zip(task.names, task.reference, strict=True)))
     if any(name.startswith("healthy_") for name in options):
         found["falls"] = "self.is_healthy"
     elif "tip" in found:

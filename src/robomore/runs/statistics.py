@@ -5,9 +5,11 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from statistics import fmean, stdev
+from statistics import fmean
 
 CONFIDENCE = 0.95
+FEWEST = 5
+"""Values from which on an interval is given; fewer are shown as they are."""
 _RESAMPLES = 4_000
 
 
@@ -17,22 +19,19 @@ class Spread:
 
     Attributes:
         values: one for each seed.
-        mean: of the values.
-        std: sample standard deviation; `None` for a single value.
-        interval: bootstrap interval of the mean; `None` for a single value.
+        mean: of the values; for a ratio the ratio of the means.
+        interval: 95 % bootstrap interval of the mean; `None` for fewer than five values.
     """
 
     values: tuple[float, ...]
     mean: float
-    std: float | None
     interval: tuple[float, float] | None
 
 
 def spread(values: Sequence[float]) -> Spread:
-    """Return mean, standard deviation and interval of at least one value."""
-    if len(values) < 2:
-        return Spread(tuple(values), values[0], None, None)
-    return Spread(tuple(values), fmean(values), stdev(values), bootstrap_interval(values))
+    """Return mean and interval of at least one value."""
+    interval = bootstrap_interval(values) if len(values) >= FEWEST else None
+    return Spread(tuple(values), fmean(values), interval)
 
 
 def bootstrap_interval(
@@ -40,8 +39,7 @@ def bootstrap_interval(
 ) -> tuple[float, float]:
     """Return the percentile bootstrap interval (95 %) of a statistic of `values`.
 
-    Resampling is seeded: the same values always give the same interval. With two or three values
-    the interval says little more than their range.
+    Resampling is seeded: the same values always give the same interval.
     """
     draw = random.Random(0)
     found = sorted(statistic(draw.choices(values, k=len(values))) for _ in range(_RESAMPLES))
@@ -49,7 +47,7 @@ def bootstrap_interval(
 
 
 def ratio(above: Sequence[float], below: Sequence[float]) -> Spread | None:
-    """Return the ratio of two means with its bootstrap interval.
+    """Return the ratio of two means with one interval that has the spread of both sides in it.
 
     Args:
         above: values whose mean is divided; paired with nothing in `below`.
@@ -57,22 +55,22 @@ def ratio(above: Sequence[float], below: Sequence[float]) -> Spread | None:
 
     Returns:
         `values` holds each of `above` over the mean of `below`. `None` where the ratio means
-        nothing: one side is empty, or `below` has a mean that is not positive.
+        nothing: one side is empty, or `below` has a mean that is not positive. The interval is
+        `None` with fewer than five values on one side, and where a resampled mean of `below` is
+        not positive.
     """
     if not above or not below or fmean(below) <= 0:
         return None
     base = fmean(below)
-    values = tuple(value / base for value in above)
     interval = None
-    if len(above) > 1 and len(below) > 1 and min(below) > 0:
+    if min(len(above), len(below)) >= FEWEST and min(below) > 0:
         draw = random.Random(0)
         found = sorted(
             fmean(draw.choices(above, k=len(above))) / fmean(draw.choices(below, k=len(below)))
             for _ in range(_RESAMPLES)
         )
         interval = _percentiles(found)
-    deviation = stdev(values) if len(values) > 1 else None
-    return Spread(values, fmean(values), deviation, interval)
+    return Spread(tuple(value / base for value in above), fmean(above) / base, interval)
 
 
 def _percentiles(ascending: Sequence[float]) -> tuple[float, float]:

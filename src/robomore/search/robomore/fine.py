@@ -1,16 +1,21 @@
-"""Fine stage: alternate body and reward until a cycle improves neither (paper, Sec. 4.2)."""
+"""Fine stage: morphology and reward in turn until a cycle improves neither (paper, Sec. 4.2)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 from robomore.designers.designer import Designer
 from robomore.errors import ProposalFailed
 from robomore.search.measure import Evaluate, improves
-from robomore.search.propose import MapFn, independent, sequential_map
+from robomore.search.method import SearchContext
+from robomore.search.propose import independent
+from robomore.search.robomore.planning import FINE
 from robomore.types import Design, Evaluation, Place, Slot, Trial
+
+T = TypeVar("T")
 
 
 @dataclass
@@ -28,9 +33,8 @@ def fine(
     evaluate: Evaluate,
     survivors: Sequence[Evaluation],
     grid: Sequence[Evaluation],
-    objective: str,
     max_cycles: int,
-    together: MapFn = sequential_map,
+    context: SearchContext,
 ) -> list[Evaluation]:
     """Return each survivor's best after refinement, in the survivors' order (paper, Alg. 1).
 
@@ -39,60 +43,54 @@ def fine(
     designer has no proposal improves nothing.
 
     Args:
-        designer: improves bodies and rewards from the history it is shown.
+        designer: improves morphologies and rewards from the history it is shown.
         evaluate: measures a batch.
         survivors: what the branches start from.
         grid: all evaluations of the coarse stage, those that screening cut short among them.
-        objective: `efficiency` or `fitness`.
-        max_cycles: bound on the cycles of a branch.
-        together: asks for the proposals of the branches.
+        max_cycles: most cycles of a branch.
+        context: the objective, and how proposals are asked for side by side.
     """
     branches = [_Branch(index, best, list(grid)) for index, best in enumerate(survivors)]
-    for cycle in range(1, max_cycles + 1):
+    for cycle in range(max_cycles):
         active = [branch for branch in branches if branch.improved]
         if not active:
             break
         for branch in active:
             branch.improved = False
 
-        bodies = independent(
-            [
-                partial(
-                    designer.improve_morphology,
-                    Slot("fine", "morphology", branch.index, cycle),
-                    branch.best,
-                    tuple(branch.history),
-                )
-                for branch in active
-            ],
-            together,
-        )
-        designs = [
-            (branch, Design(body, branch.best.design.reward))
-            for branch, body in zip(active, bodies, strict=True)
-            if not isinstance(body, ProposalFailed)
-        ]
-        _advance(evaluate, designs, cycle, "morphology", objective)
+        morphologies = _ask(designer.improve_morphology, "morphology", active, cycle, context)
+        designs = [(b, Design(new, b.best.design.reward)) for b, new in morphologies]
+        _advance(evaluate, designs, cycle, "morphology", context.objective)
 
-        programs = independent(
-            [
-                partial(
-                    designer.improve_reward,
-                    Slot("fine", "reward", branch.index, cycle),
-                    branch.best,
-                    tuple(branch.history),
-                )
-                for branch in active
-            ],
-            together,
-        )
-        designs = [
-            (branch, Design(branch.best.design.morphology, program))
-            for branch, program in zip(active, programs, strict=True)
-            if not isinstance(program, ProposalFailed)
-        ]
-        _advance(evaluate, designs, cycle, "reward", objective)
+        rewards = _ask(designer.improve_reward, "reward", active, cycle, context)
+        designs = [(b, Design(b.best.design.morphology, new)) for b, new in rewards]
+        _advance(evaluate, designs, cycle, "reward", context.objective)
     return [branch.best for branch in branches]
+
+
+def _ask(
+    improve: Callable[[Slot, Evaluation, Sequence[Evaluation]], T],
+    kind: str,
+    active: Sequence[_Branch],
+    cycle: int,
+    context: SearchContext,
+) -> list[tuple[_Branch, T]]:
+    """Return a proposal for each branch that the designer has one for."""
+    asks = [
+        partial(
+            improve,
+            Slot(FINE, kind, (branch.index, cycle), improves=True),
+            branch.best,
+            tuple(branch.history),
+        )
+        for branch in active
+    ]
+    answers = independent(asks, context.map_fn)
+    return [
+        (branch, answer)
+        for branch, answer in zip(active, answers, strict=True)
+        if not isinstance(answer, ProposalFailed)
+    ]
 
 
 def _advance(
@@ -106,7 +104,10 @@ def _advance(
     if not designs:
         return
     trials = [
-        Trial(design, Place(stage="fine", branch=branch.index, cycle=cycle, changed=changed))
+        Trial(
+            design,
+            Place(stage=FINE, index=(branch.index, cycle), changed=changed, parent=branch.best.key),
+        )
         for branch, design in designs
     ]
     for (branch, _), evaluation in zip(designs, evaluate(trials), strict=True):

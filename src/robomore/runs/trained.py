@@ -1,23 +1,24 @@
-"""Two designs next to each other: the champion and the human one, each over its training seeds."""
+"""One design and everything that was measured of it with one budget, over its training seeds."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import fmean
 
-from robomore.report.metrics import Spread, spread
+from robomore.runs.statistics import Spread, spread
 from robomore.tasks import Task
-from robomore.types import Design, Evaluation, Place
+from robomore.types import Design, Evaluation
 
 
 @dataclass(frozen=True, slots=True)
-class Contestant:
-    """One design and everything that was measured of it with one budget.
+class TrainedDesign:
+    """A design with its evaluations.
 
     Attributes:
-        name: `champion`, `best so far` or `human`.
-        design: body and reward.
-        parameters: by name.
+        name: its role, such as `champion` or `reference`.
+        design: morphology and reward.
+        parameters: of the morphology, by name.
         volume: in m^3.
         fitness: over the seeds that trained, in m; `None` if none did.
         efficiency: likewise, in m/m^3.
@@ -39,14 +40,33 @@ class Contestant:
         """The evaluations that gave numbers."""
         return tuple(evaluation for evaluation in self.evaluations if evaluation.ok)
 
+    @property
+    def behaviour(self) -> dict[str, float]:
+        """How the policies moved: each measure's mean over the seeds, units in the names."""
+        names = [name for evaluation in self.trained[:1] for name in evaluation.behaviour]
+        return {
+            name: fmean(e.behaviour[name] for e in self.trained if name in e.behaviour)
+            for name in names
+        }
 
-def contestant(name: str, task: Task, evaluations: Sequence[Evaluation]) -> Contestant:
-    """Put the evaluations of one design together."""
+    def score(self, objective: str) -> Spread | None:
+        """Return efficiency or fitness, whichever is compared."""
+        return self.efficiency if objective == "efficiency" else self.fitness
+
+
+def trained_design(name: str, task: Task, evaluations: Sequence[Evaluation]) -> TrainedDesign:
+    """Put the evaluations of one design together.
+
+    Args:
+        name: its role.
+        task: that it was trained for.
+        evaluations: at least one, one for each training seed.
+    """
     design = evaluations[0].design
     parameters = design.morphology.parameters
     fitness = [e.fitness for e in evaluations if e.ok and e.fitness is not None]
     efficiency = [e.efficiency for e in evaluations if e.ok and e.efficiency is not None]
-    return Contestant(
+    return TrainedDesign(
         name=name,
         design=design,
         parameters=dict(zip(task.names, parameters, strict=True)),
@@ -56,17 +76,3 @@ def contestant(name: str, task: Task, evaluations: Sequence[Evaluation]) -> Cont
         body=next((e.body for e in evaluations if e.body), {}),
         evaluations=tuple(evaluations),
     )
-
-
-def finalists(placed: Iterable[tuple[Place, Evaluation]]) -> list[list[Evaluation]]:
-    """Return the evaluations of each finalist, one for each training seed."""
-    groups: dict[int, list[Evaluation]] = {}
-    for place, evaluation in placed:
-        if place.stage == "final" and place.changed == "champion":
-            groups.setdefault(place.branch, []).append(evaluation)
-    return list(groups.values())
-
-
-def measured_in_final(placed: Iterable[tuple[Place, Evaluation]], role: str) -> list[Evaluation]:
-    """Return the final evaluations of `champion` or `human`."""
-    return [e for place, e in placed if place.stage == "final" and place.changed == role]

@@ -1,0 +1,124 @@
+"""Who designs in a run: known by its settings at once, made when the run's folder is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from robomore.designers import Designer, LanguageModel, Replay, make_designer
+from robomore.designers.llm.designer import LLMDesigner, LLMSettings
+from robomore.errors import InputError
+from robomore.events import Observer, Spent
+from robomore.llm import BudgetedClient, MemoryLog, ReplayModel, Spending
+from robomore.rendering.snapshots import pictures
+from robomore.rewards.dry_run import DryRun
+from robomore.sandbox.contain import Containment
+from robomore.store import LedgerExchanges, Manifest, RunFolder
+from robomore.tasks import Task
+from robomore.types import Evaluation
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenDesigner:
+    """A designer that is known by its settings.
+
+    Attributes:
+        name: as on the command line; empty for a method that asks no designer.
+        provenance: one plain sentence on what makes the proposals.
+        make: makes it, once the run's folder is there.
+        settings: what decides its proposals, as plain data.
+        parallel: proposals that may be asked for at once.
+    """
+
+    name: str
+    provenance: str
+    make: Callable[[RunFolder, ExitStack], Designer]
+    settings: dict[str, Any] = field(default_factory=dict)
+    parallel: int = 1
+
+
+def choose_designer(
+    designer: str | LanguageModel | Replay,
+    task: Task,
+    seed: int,
+    objective: str,
+    containment: Containment,
+    observe: Observer,
+) -> ChosenDesigner:
+    """Return the designer that was asked for, or refuse before anything is written.
+
+    Args:
+        designer: a name, a language model, or what one said in another run.
+        task: what is designed for.
+        seed: of the run.
+        objective: what the search compares.
+        containment: how a reward is kept in while it is tried.
+        observe: told what a language model has cost.
+
+    Raises:
+        InputError: there is no such designer, or one of its settings cannot be used.
+    """
+    if isinstance(designer, str):
+        made = make_designer(designer, task, seed, objective)
+        return ChosenDesigner(designer, made.provenance, lambda folder, stack: made)
+    model = _recorded(designer) if isinstance(designer, Replay) else designer
+    # Before anything is written, refuse a limit that cannot be kept.
+    BudgetedClient(model.model, MemoryLog(), model.budget)
+
+    def watch(spent: Spending) -> None:
+        dollars = None if spent.unpriced else spent.cost
+        observe(Spent(spent.requests, spent.tokens, dollars))
+
+    def make(folder: RunFolder, stack: ExitStack) -> Designer:
+        log = stack.enter_context(closing(LedgerExchanges(folder.ledger)))
+        return LLMDesigner(
+            task,
+            BudgetedClient(model.model, log, model.budget, watch),
+            model.settings,
+            objective=objective,
+            rehearse=DryRun(task, folder.scratch, containment),
+            pictures=partial(_pictures, task, folder.artifacts) if model.vision else None,
+        )
+
+    provenance = f"Proposed by a language model: {model.model.name}"
+    if isinstance(designer, Replay):
+        identity = {**model.identity, "replayed": designer.by}
+        said = f"{provenance}, as recorded in {designer.run}."
+        return ChosenDesigner(Replay.name, said, make, identity)
+    return ChosenDesigner(
+        LanguageModel.name, f"{provenance}.", make, model.identity, model.parallel
+    )
+
+
+def _recorded(replay: Replay) -> LanguageModel:
+    """Return the model and the settings of a recorded run.
+
+    Raises:
+        InputError: no language model designed that run.
+    """
+    folder = RunFolder.existing(replay.run)
+    manifest = Manifest.load(folder.manifest)
+    settings = manifest.designer_settings
+    if "model" not in settings:
+        raise InputError(
+            f"{replay.run} was designed by {manifest.designer!r}; name the run of a language model"
+        )
+    with closing(LedgerExchanges(folder.ledger, read_only=True)) as log:
+        model = ReplayModel(log, replay.by)
+    try:
+        used = msgspec.convert(settings, LLMSettings)
+    except msgspec.ValidationError as error:
+        raise InputError(f"{folder.manifest} is damaged ({error}); name another run") from None
+    return LanguageModel(
+        model, used, vision=bool(settings.get("vision")), server=str(settings.get("server", ""))
+    )
+
+
+def _pictures(task: Task, artifacts: Path, evaluation: Evaluation) -> list[bytes]:
+    return pictures(task, evaluation, artifacts)

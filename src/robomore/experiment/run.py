@@ -1,0 +1,247 @@
+"""A search from beginning to end: put together, run to a budget, compared, and written down."""
+
+from __future__ import annotations
+
+import os
+import time
+from contextlib import ExitStack, closing
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from robomore.designers import LanguageModel, Replay
+from robomore.designers.absent import NoDesigner
+from robomore.designers.recorded import RecordedDesigner
+from robomore.errors import InputError, Interrupted, TimeLimitReached
+from robomore.evaluation.evaluator import Evaluator
+from robomore.events import Observer, RunBegan, ignore, one_at_a_time
+from robomore.executors import EXECUTORS, thread_map
+from robomore.experiment.containing import choose_containment
+from robomore.experiment.designing import ChosenDesigner, choose_designer
+from robomore.plan import Plan
+from robomore.report import write_report
+from robomore.runs import Run, load_run
+from robomore.search import Final, SearchContext, SearchMethod, final, make_method
+from robomore.search.budget import BudgetedEvaluate, BudgetSpent
+from robomore.search.final import stage as final_stage
+from robomore.settings import RunSettings, preset
+from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package_versions
+from robomore.store.champion import save_champion
+from robomore.tasks import Task, get_task
+from robomore.tasks.fingerprint import fingerprint
+from robomore.training.settings import ensure_trainer, packages_for
+from robomore.types import Design, Evaluation, Morphology, Reward
+
+
+def run(
+    task: str | Task,
+    settings: str | RunSettings = "quick",
+    *,
+    designer: str | LanguageModel | Replay | None = None,
+    seed: int = 0,
+    executor: str = "processes",
+    workers: int | None = None,
+    out: str | Path | None = None,
+    budget_steps: int | None = None,
+    time_limit: float | None = None,
+    containment: str | None = None,
+    observe: Observer = ignore,
+    name: str = "",
+) -> Run:
+    """Search for the best morphology and reward; the same call again finishes what is missing.
+
+    Args:
+        task: a task or its id.
+        settings: a preset's name, or settings of your own (`robomore.settings`), the search method
+            and the trainer among them.
+        designer: who proposes: a name, a language model, or what one said in another run; by
+            default the offline designer, if the method asks one at all.
+        seed: same seed, same result, whatever the number of workers.
+        executor: where evaluations run: `processes`, or `inline` in this process.
+        workers: evaluations side by side, one a core by default.
+        out: the run's folder; by default `runs/TASK-SETTINGS-DESIGNER-sSEED`.
+        budget_steps: control steps of training that the search may use; the final comes on top.
+            The same call with a larger budget goes on.
+        time_limit: wall-clock seconds after which nothing new is started. The run then ends with
+            the best so far, and the same call goes on.
+        containment: `strict` refuses to start where the operating system lacks a layer that keeps
+            untrusted code in; `relaxed` uses the layers there are. By default strict, but for
+            rewards of our own (no language model) where it is not possible.
+        observe: told what goes on.
+        name: of the settings in the manifest; by default the preset's, or `custom`.
+
+    Raises:
+        InputError: something asked for cannot be done; nothing was started.
+        NothingTrained: every candidate failed.
+        BudgetExhausted, ModelUnavailable: of a language model; the same call goes on later.
+        Interrupted: Ctrl-C; the same call goes on where this one stopped.
+    """
+    began = time.monotonic()
+    task = get_task(task) if isinstance(task, str) else task
+    observe = one_at_a_time(observe)
+    name = name or (settings if isinstance(settings, str) else "custom")
+    workers = workers or available_cores()
+    settings = preset(settings) if isinstance(settings, str) else settings
+    method = make_method(settings.method)
+    ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
+    _refuse_useless(settings, method, designer, budget_steps, time_limit)
+    # A reward that comes from elsewhere is untrusted, whoever proposes it.
+    mode, layers = choose_containment(containment, ours=designer in (None, "offline"))
+    chosen = _no_designer(method)
+    if method.needs_designer:
+        asked = designer or "offline"
+        chosen = choose_designer(asked, task, seed, settings.objective, mode, observe)
+    context = SearchContext(
+        task=task,
+        reference=Design(
+            Morphology(task.reference, "the reference design"),
+            Reward(task.reward, "the reference reward"),
+        ),
+        candidate=settings.candidate,
+        evaluations=settings.evaluations,
+        objective=settings.objective,
+        seed=seed,
+        map_fn=thread_map(chosen.parallel),
+    )
+    plan = Plan((*method.plan(context).stages, final_stage(settings.final)))
+    manifest = Manifest(
+        task=task.id,
+        task_parts=fingerprint(task),
+        preset=name,
+        designer=chosen.name,
+        provenance=chosen.provenance,
+        seed=seed,
+        settings=settings,
+        plan=plan,
+        designer_settings=chosen.settings,
+        versions=package_versions(*packages_for(settings.trainer)),
+    )
+    out = Path(out) if out else default_folder(task.id, name, chosen.name, seed)
+
+    def time_is_up() -> bool:
+        return time_limit is not None and time.monotonic() - began >= time_limit
+
+    with ExitStack() as stack:
+        folder = RunFolder.prepare(out, manifest)
+        stack.callback(folder.release)
+        ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
+        observe(
+            RunBegan(
+                task=task.id,
+                preset=name,
+                settings=settings,
+                plan=plan,
+                designer=chosen.name,
+                provenance=chosen.provenance,
+                seed=seed,
+                workers=workers,
+                folder=out,
+                containment=layers,
+                budget_steps=budget_steps,
+                time_limit=time_limit,
+            )
+        )
+        evaluator = Evaluator(
+            task=task,
+            trainer=settings.trainer,
+            seed=seed,
+            versions=manifest.versions,
+            ledger=ledger,
+            folder=folder,
+            executor=stack.enter_context(closing(EXECUTORS.get(executor)(workers))),
+            containment=mode,
+            observe=observe,
+            time_is_up=time_is_up,
+        )
+        recorded = RecordedDesigner(chosen.make(folder, stack), ledger, observe, time_is_up)
+        context = replace(context, observe=ledger.noting(observe))
+        try:
+            best = _search(method, recorded, evaluator, context, budget_steps)
+            outcome = final(
+                partial(evaluator.measure, budget=settings.final),
+                best[: settings.final.finalists],
+                context.reference,
+                settings.final.seeds,
+                settings.objective,
+            )
+            evaluator.restore_policies(outcome.champion)
+            save_champion(folder, task, outcome.champion, settings.objective)
+            _note_final(ledger, outcome)
+        except KeyboardInterrupt:
+            ledger.add_event("interrupted")
+            raise Interrupted(
+                f"stopped; {len(ledger.evaluations())} evaluations are kept in {out}, "
+                "and the same command goes on from there"
+            ) from None
+        except TimeLimitReached:
+            ledger.add_event("time-limit", seconds=time_limit)
+        write_report(out)
+    return load_run(out)
+
+
+def _search(
+    method: SearchMethod,
+    designer: RecordedDesigner,
+    evaluator: Evaluator,
+    context: SearchContext,
+    budget_steps: int | None,
+) -> list[Evaluation]:
+    """Return the method's designs, best first, or the best so far when its budget is spent."""
+    measure = partial(evaluator.measure, budget=context.candidate)
+    evaluate = BudgetedEvaluate(measure, context.candidate, budget_steps)
+    try:
+        return method.run(designer, evaluate, context)
+    except BudgetSpent:
+        return evaluate.best(context.objective)
+
+
+def _note_final(ledger: Ledger, outcome: Final) -> None:
+    """Write down who is champion, and the groups of the final by their role."""
+    groups = {
+        name: [evaluation.key for evaluation in getattr(outcome, name)]
+        for name in ("champion", "found", "reference", "morphology_only", "reward_only")
+    }
+    ledger.add_event("finished", **groups)
+
+
+def _refuse_useless(
+    settings: RunSettings,
+    method: SearchMethod,
+    designer: object,
+    budget_steps: int | None,
+    time_limit: float | None,
+) -> None:
+    """Refuse limits and designers that make no sense, before anything is started.
+
+    Raises:
+        InputError: naming the value, the range and the remedy.
+    """
+    if designer is not None and not method.needs_designer:
+        raise InputError(
+            f"the method {settings.method.name!r} asks no designer; leave the designer out"
+        )
+    if budget_steps is not None and budget_steps < settings.candidate.steps:
+        raise InputError(
+            f"a budget of {budget_steps} steps does not pay for one candidate of "
+            f"{settings.candidate.steps}; give a larger --budget-steps, or smaller --steps"
+        )
+    if time_limit is not None and not time_limit > 0:
+        raise InputError(f"a time limit of {time_limit} s is over at once; give a positive one")
+
+
+def _no_designer(method: SearchMethod) -> ChosenDesigner:
+    return ChosenDesigner(
+        "", method.provenance, lambda folder, stack: NoDesigner(method.provenance)
+    )
+
+
+def default_folder(task: str, name: str, designer: str, seed: int) -> Path:
+    """Return the folder of a run that was given none: named after all that was asked for."""
+    return Path("runs") / "-".join(part for part in (task, name, designer, f"s{seed}") if part)
+
+
+def available_cores() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

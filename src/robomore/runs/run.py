@@ -1,0 +1,401 @@
+"""A run folder as one frozen value: what `show`, the page and the end of a run all tell."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robomore.errors import InputError, RunFolderError
+from robomore.llm import Spending
+from robomore.plan import Plan
+from robomore.runs.empty import EmptySlot, empty_slots
+from robomore.runs.lineage import Record, ancestry, best_of
+from robomore.runs.statistics import Spread, ratio
+from robomore.runs.table import Row, dataframe, rows
+from robomore.runs.trained import TrainedDesign, trained_design
+from robomore.runs.warnings import warnings_about
+from robomore.settings import Objective
+from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
+from robomore.store.ledger import Proposal
+from robomore.tasks import Task, get_task
+from robomore.tasks.fingerprint import fingerprint
+from robomore.types import Curve, Evaluation, Place, Status
+
+if TYPE_CHECKING:
+    import gymnasium
+
+    from robomore.training.policy import MLPPolicy
+
+FEWEST_FOR_HEADLINE = 3
+"""Training seeds below which no ratio is put into a headline."""
+
+ROLES = ("champion", "found", "reference", "morphology_only", "reward_only")
+"""Groups of the final, as a run's last event names them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Evaluations that failed for one reason.
+
+    Attributes:
+        status: how they ended.
+        diagnosis: of the first of them.
+        places: where in the run.
+    """
+
+    status: Status
+    diagnosis: str
+    places: tuple[Place, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What a run has spent: every evaluation counts once, wherever it was asked for."""
+
+    evaluations: int
+    steps: int
+    core_seconds: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """A run, finished or not, read once from its folder.
+
+    Attributes:
+        folder: of the run.
+        manifest: what was asked for.
+        task: that it was asked for, as it is installed here.
+        final: whether the champion is the run's last word; else it is the best so far.
+        champion: the best pair of the final; the best so far before it; `None` while nothing has
+            been trained.
+        champion_role: which group of the final the champion is: `found`, `morphology_only`,
+            `reward_only` or `reference`; empty before the final.
+        found: the search's best, in the final.
+        reference: the reference design in the final.
+        morphology_only: the found morphology under the reference reward, in the final.
+        reward_only: the reference morphology under the found reward, in the final.
+        records: every evaluation in each place it was asked for, in the order of the search.
+        untried: places that screening left out altogether, and why.
+        proposals: what the designer answered, oldest first.
+        empty: slots that the designer could not fill.
+        spending: on a language model; nothing where none was asked.
+        task_changes: parts of the task that were edited since the run.
+    """
+
+    folder: Path
+    manifest: Manifest
+    task: Task
+    final: bool
+    champion: TrainedDesign | None
+    champion_role: str
+    found: TrainedDesign | None
+    reference: TrainedDesign | None
+    morphology_only: TrainedDesign | None
+    reward_only: TrainedDesign | None
+    records: tuple[Record, ...]
+    untried: dict[Place, str]
+    proposals: tuple[Proposal, ...]
+    empty: tuple[EmptySlot, ...]
+    spending: Spending
+    task_changes: tuple[str, ...]
+
+    # Numbers -------------------------------------------------------------------------------------
+
+    @property
+    def plan(self) -> Plan:
+        """The stages that the method meant to go through, the final among them."""
+        return self.manifest.plan
+
+    @property
+    def objective(self) -> Objective:
+        """What the search compared: `efficiency` or `fitness`."""
+        return self.manifest.settings.objective
+
+    @cached_property
+    def efficiency_ratio(self) -> Spread | None:
+        """Champion's efficiency over the reference's."""
+        return _ratio(self.champion, self.reference, "efficiency")
+
+    @cached_property
+    def fitness_ratio(self) -> Spread | None:
+        """Champion's fitness over the reference's."""
+        return _ratio(self.champion, self.reference, "fitness")
+
+    @property
+    def ratio(self) -> Spread | None:
+        """Champion over reference in what the search compared."""
+        return self.efficiency_ratio if self.objective == "efficiency" else self.fitness_ratio
+
+    @property
+    def headline(self) -> Spread | None:
+        """The ratio, if the final has seeds enough to be put into a headline."""
+        if not self.final or self.manifest.settings.final.seeds < FEWEST_FOR_HEADLINE:
+            return None
+        return self.ratio
+
+    @cached_property
+    def evaluations(self) -> tuple[Evaluation, ...]:
+        """Every evaluation once, without its curve, in the order of the search."""
+        return tuple({r.evaluation.key: r.evaluation for r in self.records}.values())
+
+    @cached_property
+    def searched(self) -> tuple[Record, ...]:
+        """Records of the search that were trained to the end, or failed."""
+        full = self.manifest.settings.candidate.steps
+        return tuple(
+            record
+            for record in self.records
+            if self.plan.stage(record.place.stage).role == "search"
+            and (record.evaluation.job.steps >= full or not record.evaluation.ok)
+        )
+
+    @cached_property
+    def cut(self) -> tuple[Record, ...]:
+        """Records of the search that screening cut short."""
+        whole = set(id(record) for record in self.searched)
+        return tuple(
+            record
+            for record in self.records
+            if self.plan.stage(record.place.stage).role == "search" and id(record) not in whole
+        )
+
+    @cached_property
+    def lineage(self) -> tuple[Record, ...]:
+        """The way to the search's best, from a first idea over each improvement."""
+        if self.found is not None:
+            parents = [
+                r.place.parent
+                for r in self.records
+                if r.evaluation.key == self.found.evaluations[0].key and r.place.parent
+            ]
+            key = parents[0] if parents else ""
+        else:
+            best = best_of((r.evaluation for r in self.searched), self.objective)
+            key = best.key if best else ""
+        return ancestry(key, self.searched)
+
+    @property
+    def counts(self) -> dict[Status, int]:
+        """Evaluations by status, the most frequent first."""
+        return dict(Counter(evaluation.status for evaluation in self.evaluations).most_common())
+
+    @cached_property
+    def cost(self) -> Cost:
+        """What everything took."""
+        return Cost(
+            evaluations=len(self.evaluations),
+            steps=_steps(self.evaluations),
+            core_seconds=sum(evaluation.seconds for evaluation in self.evaluations),
+        )
+
+    @cached_property
+    def search_steps(self) -> int:
+        """Control steps of training that the search took, the final left out."""
+        search = (r.evaluation for r in self.records if self._role(r) != "final")
+        return _steps({e.key: e for e in search}.values())
+
+    @cached_property
+    def failures(self) -> tuple[Failure, ...]:
+        """What failed, by reason, the most frequent first."""
+        groups: dict[tuple[Status, str], list[Place]] = {}
+        for record in self.records:
+            e = record.evaluation
+            if not e.ok:
+                groups.setdefault((e.status, e.diagnosis), []).append(record.place)
+        found = [Failure(status, said, tuple(at)) for (status, said), at in groups.items()]
+        return tuple(sorted(found, key=lambda failure: -len(failure.places)))
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What to keep in mind before believing the champion, the most important first."""
+        return warnings_about(self)
+
+    # Tables --------------------------------------------------------------------------------------
+
+    def rows(self) -> list[Row]:
+        """Return one row an evaluation and place, in the order of the search."""
+        return rows(self.records, self.task, self.plan)
+
+    def to_dataframe(self) -> Any:
+        """Return the rows as a `pandas.DataFrame`; without pandas, as a list of dicts."""
+        return dataframe(self.rows())
+
+    # One evaluation ------------------------------------------------------------------------------
+
+    def evaluation(self, key: str) -> Evaluation:
+        """Return the evaluation of a key, or of the beginning of one that fits no other.
+
+        Raises:
+            InputError: none has it, or several begin with it.
+        """
+        found = [e for e in self.evaluations if e.key.startswith(key)] if key else []
+        if len(found) == 1 or (found and found[0].key == key):
+            return found[0]
+        said = f"{len(found)} evaluations begin with" if found else "no evaluation has the key"
+        raise InputError(
+            f"{said} {key!r} in {self.folder}; `robomore export {self.folder} --csv FILE` lists "
+            "them all"
+        )
+
+    def curve(self, key: str) -> Curve | None:
+        """Return how the training of an evaluation went; `None` if it was not trained.
+
+        Raises:
+            InputError: there is no such evaluation.
+        """
+        with closing(Ledger(RunFolder(self.folder).ledger, read_only=True)) as ledger:
+            return ledger.curve(self.evaluation(key).key)
+
+    def load_policy(self, key: str | None = None) -> MLPPolicy:
+        """Return the trained policy of an evaluation, by default of the champion's best seed.
+
+        Raises:
+            InputError: there is no such evaluation, or it has no policy.
+        """
+        from robomore.training.policy import POLICY, MLPPolicy
+
+        evaluation = self._champion_seed() if key is None else self.evaluation(key)
+        path = RunFolder(self.folder).artifacts / evaluation.artifact / POLICY
+        if not evaluation.artifact or not path.is_file():
+            why = evaluation.diagnosis or "its file is missing; run the same command again"
+            raise InputError(f"the evaluation {evaluation.key} has no policy: {why}")
+        try:
+            return MLPPolicy.load(path)
+        except ValueError as error:
+            raise InputError(f"{path} cannot be used ({error}); run the command again") from None
+
+    def make_env(self, key: str | None = None, **options: Any) -> gymnasium.Env[Any, Any]:
+        """Return a Gymnasium environment of an evaluation's morphology and task.
+
+        Its reward is the reference reward: an evaluation's own may come from anybody and is only
+        run in the sandbox.
+
+        Args:
+            key: of the evaluation; the champion's by default.
+            options: for `gymnasium.make`, such as `render_mode`.
+
+        Raises:
+            InputError: there is no such evaluation.
+        """
+        from gymnasium.wrappers import TimeLimit
+
+        from robomore.envs.registration import make_environment
+
+        evaluation = self._champion_seed() if key is None else self.evaluation(key)
+        parameters = evaluation.design.morphology.parameters
+        environment = make_environment(self.task.id, parameters, **options)
+        return TimeLimit(environment, self.task.episode_steps)
+
+    def report(self, out: str | Path | None = None) -> Path:
+        """Write the run's page; returns its path (`report.html` in the folder by default)."""
+        # The one import upwards: whoever holds a run looks for its report here.
+        from robomore.report import write_report
+
+        return write_report(self.folder, Path(out) if out else None)
+
+    def _champion_seed(self) -> Evaluation:
+        if self.champion is None or not self.champion.trained:
+            raise InputError(f"{self.folder} has nothing trained yet; wait, or run it on")
+        best = best_of(self.champion.trained, self.objective)
+        assert best is not None
+        return best
+
+    def _role(self, record: Record) -> str:
+        return self.plan.stage(record.place.stage).role
+
+
+def load_run(folder: str | Path) -> Run:
+    """Read a run folder; the run may still go on.
+
+    Raises:
+        RunFolderError: it is no run folder.
+        LedgerError: its ledger is damaged.
+        InputError: its task is not installed here.
+    """
+    path = Path(folder)
+    files = RunFolder.existing(path)
+    manifest = Manifest.load(files.manifest)
+    task = get_task(manifest.task)
+    if not files.ledger.is_file():
+        raise RunFolderError(f"{path} has no ledger; start its run again with the same command")
+    with closing(Ledger(files.ledger, read_only=True)) as ledger:
+        placed = ledger.placed()
+        untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
+        proposals = tuple(ledger.proposals())
+        ends = [event for event in ledger.events() if event.kind == "finished"]
+    with closing(LedgerExchanges(files.ledger, read_only=True)) as exchanges:
+        spending = exchanges.spent()
+    plan = manifest.plan
+    records = tuple(
+        # A resumed run asks again from the start, so the ledger's own order may be half old.
+        sorted((Record(*pair) for pair in placed), key=lambda record: plan.position(record.place))
+    )
+    groups = _groups(task, records, ends[-1].body if ends else {})
+    champion, role = groups.get("champion"), ""
+    if champion is not None:
+        # Of equals the first: it is the champion's own group.
+        role = next(
+            name for name in ROLES[1:] if name in groups and groups[name].design == champion.design
+        )
+    run = Run(
+        folder=path,
+        manifest=manifest,
+        task=task,
+        final=champion is not None,
+        champion=champion,
+        champion_role=role,
+        found=groups.get("found"),
+        reference=groups.get("reference"),
+        morphology_only=groups.get("morphology_only"),
+        reward_only=groups.get("reward_only"),
+        records=records,
+        untried=untried,
+        proposals=proposals,
+        empty=empty_slots(proposals, plan),
+        spending=spending,
+        task_changes=_changes(manifest.task_parts, fingerprint(task)),
+    )
+    if champion is None and (best := best_of((r.evaluation for r in run.searched), run.objective)):
+        return replace(run, champion=trained_design("best so far", task, [best]))
+    return run
+
+
+def _groups(
+    task: Task, records: Sequence[Record], finished: dict[str, Any]
+) -> dict[str, TrainedDesign]:
+    """Return the groups of the final by role; none while the run goes on, or if one is broken."""
+    by_key = {record.evaluation.key: record.evaluation for record in records}
+    found = {}
+    for role in ROLES:
+        keys = finished.get(role)
+        if not isinstance(keys, list) or not keys or any(key not in by_key for key in keys):
+            return {}
+        found[role] = trained_design(role, task, [by_key[key] for key in keys])
+    return found
+
+
+def _changes(then: dict[str, str], now: dict[str, str]) -> tuple[str, ...]:
+    return tuple(sorted(part for part in then | now if then.get(part) != now.get(part)))
+
+
+def _ratio(
+    champion: TrainedDesign | None, reference: TrainedDesign | None, name: str
+) -> Spread | None:
+    above = getattr(champion, name, None)
+    below = getattr(reference, name, None)
+    return ratio(above.values, below.values) if above and below else None
+
+
+def _steps(evaluations: Iterable[Evaluation]) -> int:
+    # A training that went on from rung to rung has an evaluation for each, of the same steps.
+    longest: dict[tuple[object, ...], int] = {}
+    for evaluation in evaluations:
+        design = evaluation.design
+        training = (design.morphology.parameters, design.reward.source, evaluation.job.seed)
+        longest[training] = max(evaluation.steps, longest.get(training, 0))
+    return sum(longest.values())

@@ -1,0 +1,170 @@
+"""What a reader should keep in mind before believing a champion, found from the numbers alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from robomore.runs.lineage import best_of
+from robomore.runs.statistics import FEWEST
+from robomore.runs.words import number, unit_of
+
+if TYPE_CHECKING:
+    from robomore.runs.run import Run
+    from robomore.runs.trained import TrainedDesign
+
+STEEL = 7850.0
+"""Density of steel in kg/m^3: a robot as a whole is never denser."""
+
+_AT_BOUND = 0.01
+"""A parameter counts as at its bound within this share of its range."""
+_NAMED = 3
+"""Empty slots that are named."""
+_WINNERS_CURSE = 0.7
+"""Trained anew below this share of what the search saw, the search was lucky."""
+
+
+def warnings_about(run: Run) -> tuple[str, ...]:
+    """Return one sentence for each reason to doubt, the most important first."""
+    said: list[str] = []
+    if run.task_changes:
+        said.append(
+            f"The task {run.task.id} was edited after this run ({', '.join(run.task_changes)}): "
+            "drawings, bounds and volumes shown here may not be those of the run."
+        )
+    champion = run.champion
+    if champion is None:
+        return (*said, "Nothing has been trained successfully yet.", *_about_slots(run))
+    if not run.final:
+        said.append(
+            "The run is not finished: this is the best so far, measured once, and not yet trained "
+            "anew beside the reference design."
+        )
+    if run.manifest.preset.startswith("smoke"):
+        said.append("The smoke preset only checks that everything runs; its budget trains nothing.")
+    said += _about_slots(run)
+    if run.final:
+        said += _about_seeds(run)
+        said += _about_the_pair(run)
+        said += _about_training_anew(run)
+        said += _about_fitness(run)
+    said += _about_matter(champion)
+    said += _about_bounds(run, champion)
+    return tuple(said)
+
+
+def _about_slots(run: Run) -> list[str]:
+    empty = run.empty
+    if not empty:
+        return []
+    named = "; ".join(str(one.slot) for one in empty[:_NAMED])
+    more = f" and {len(empty) - _NAMED} more" if len(empty) > _NAMED else ""
+    return [
+        f"{len(empty)} slot{'s' if len(empty) != 1 else ''} stayed empty, because the designer had "
+        f"no proposal that could be used ({named}{more}): less was tried than was asked for."
+    ]
+
+
+def _about_seeds(run: Run) -> list[str]:
+    said = []
+    for one in (run.champion, run.reference):
+        if one is None:
+            continue
+        failed = [e for e in one.evaluations if not e.ok]
+        if failed:
+            said.append(
+                f"{len(failed)} of {len(one.evaluations)} final trainings of the {one.name} design "
+                f"failed ({failed[0].status})."
+            )
+    seeds = len(run.champion.trained) if run.champion else 0
+    if seeds < FEWEST:
+        said.append(
+            f"Only {seeds} training seed{'s' if seeds != 1 else ''} in the final: with fewer than "
+            f"{FEWEST} there is no interval, and a difference may be luck."
+        )
+    return said
+
+
+def _about_the_pair(run: Run) -> list[str]:
+    """Say which half of the pair made the difference, and which did not."""
+    if run.champion_role == "reference":
+        return ["Nothing that was found beats the reference design at this budget."]
+    if run.champion_role == "morphology_only":
+        return [
+            "The champion is trained under the reference reward: the reward that was found does "
+            "worse on the same morphology."
+        ]
+    if run.champion_role == "reward_only":
+        return [
+            "The champion has the reference morphology: the morphology that was found does worse "
+            "under the same reward."
+        ]
+    found, plain = run.found, run.morphology_only
+    if found is None or plain is None or found.design == plain.design:
+        return []
+    mine, theirs = found.score(run.objective), plain.score(run.objective)
+    if mine is None or theirs is None or min(mine.values) > max(theirs.values):
+        return []
+    unit = unit_of(run.objective)
+    return [
+        "No difference can be told between the found reward and the reference reward on the "
+        f"found morphology ({number(mine.mean)} against {number(theirs.mean)} {unit}, and their "
+        "seeds overlap): the morphology made the difference."
+    ]
+
+
+def _about_training_anew(run: Run) -> list[str]:
+    best = best_of((record.evaluation for record in run.searched), run.objective)
+    measured = run.found.score(run.objective) if run.found else None
+    seen = best.score(run.objective) if best else None
+    if measured is None or not seen or measured.mean >= _WINNERS_CURSE * seen:
+        return []
+    unit = unit_of(run.objective)
+    return [
+        f"The search saw {number(seen)} {unit}, training anew gave {number(measured.mean)}: the "
+        "best of many noisy numbers is partly luck."
+    ]
+
+
+def _about_fitness(run: Run) -> list[str]:
+    champion, reference = run.champion, run.reference
+    if not champion or not reference or not champion.fitness or not reference.fitness:
+        return []
+    said = []
+    if champion.fitness.mean < reference.fitness.mean:
+        said.append(
+            "The champion uses less material, but it does not do better at the task: its fitness "
+            f"is {number(champion.fitness.mean)} m against {number(reference.fitness.mean)} m of "
+            "the reference design; its efficiency comes from the small volume."
+        )
+    if reference.fitness.mean <= 0:
+        said.append(
+            "The reference design did not get anywhere at this budget, so no ratio is given; "
+            "train longer for a fair comparison."
+        )
+    return said
+
+
+def _about_matter(champion: TrainedDesign) -> list[str]:
+    density = champion.body.get("density", 0.0)
+    if density <= STEEL:
+        return []
+    return [
+        f"Its mass divided by its volume is {number(density, 3)} kg/m³ (steel has "
+        f"{number(STEEL)}): the task fixes the mass, so a robot this thin would have to be made of "
+        "impossibly dense matter."
+    ]
+
+
+def _about_bounds(run: Run, champion: TrainedDesign) -> list[str]:
+    at_bound = []
+    for parameter in run.task.parameters:
+        value = champion.parameters[parameter.name]
+        near = _AT_BOUND * (parameter.high - parameter.low)
+        if parameter.scale == "log":
+            near = _AT_BOUND * value
+        if min(abs(value - parameter.low), abs(value - parameter.high)) <= near:
+            at_bound.append(parameter.name)
+    if not at_bound:
+        return []
+    verb = "stands at its bound" if len(at_bound) == 1 else "stand at their bounds"
+    return [f"{', '.join(at_bound)} {verb}: the bounds decided part of this design."]

@@ -1,0 +1,106 @@
+"""Random search: morphologies drawn around the reference (the paper's "Random Sample")."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import msgspec
+import numpy as np
+
+from robomore.designers.designer import Designer
+from robomore.errors import InvalidMorphology, NothingTrained
+from robomore.identity import derive_seed
+from robomore.plan import Plan, Stage
+from robomore.search.measure import Evaluate, ranked
+from robomore.search.method import SearchContext
+from robomore.tasks.task import Task
+from robomore.types import Design, Evaluation, Morphology, Place, Trial
+
+DRAWS = 2000
+"""Draws before giving up on a valid morphology."""
+
+LEAST_SHARE = 0.1
+"""A parameter whose reference value is near 0 varies as if it were this share of its range."""
+
+STAGE = "samples"
+
+
+@dataclass(frozen=True, slots=True)
+class RandomSettings:
+    """Options of the method `random`."""
+
+    samples: Annotated[int, msgspec.Meta(ge=1)] | None = None
+    """Morphologies to draw; by default as many as the preset's search has full trainings."""
+    deviation: Annotated[float, msgspec.Meta(gt=0)] = 0.5
+    """Standard deviation of each parameter, as a share of its reference value. A half gives about
+    the coefficient of variation that the paper reports (Table 3)."""
+
+
+class RandomSearch:
+    """Draws morphologies from a Gaussian around the reference, under the reference reward."""
+
+    Settings = RandomSettings
+    summary: ClassVar[str] = "morphologies drawn around the reference, under the reference reward"
+    needs_designer: ClassVar[bool] = False
+    provenance: ClassVar[str] = (
+        "No LLM was used: morphologies were drawn at random around the reference design."
+    )
+
+    def __init__(self, settings: RandomSettings) -> None:
+        self.settings = settings
+
+    def plan(self, context: SearchContext) -> Plan:
+        """Return one stage of that many samples."""
+        count = self._count(context)
+        steps = count * context.candidate.steps
+        return Plan(
+            (Stage(name=STAGE, axes=("sample",), shape=(count,), evaluations=count, steps=steps),)
+        )
+
+    def run(
+        self, designer: Designer, evaluate: Evaluate, context: SearchContext
+    ) -> list[Evaluation]:
+        """Return the trained samples, best first; `designer` is not asked.
+
+        Raises:
+            NothingTrained: no draw passed the task's rules, or no sample could be trained.
+        """
+        trials = []
+        for n in range(self._count(context)):
+            seed = derive_seed(context.seed, STAGE, n)
+            morphology = drawn(context.task, seed, self.settings.deviation)
+            design = Design(morphology, context.reference.reward)
+            trials.append(Trial(design, Place(stage=STAGE, index=(n,))))
+        return ranked(evaluate(trials), context.objective)
+
+    def _count(self, context: SearchContext) -> int:
+        return self.settings.samples or context.evaluations
+
+
+def drawn(task: Task, seed: int, deviation: float) -> Morphology:
+    """Return a valid morphology from a Gaussian around the task's reference, cut at its bounds.
+
+    Args:
+        task: whose parameters these are.
+        seed: of the draw.
+        deviation: standard deviation, as a share of each reference value.
+
+    Raises:
+        NothingTrained: none of many draws passed the task's rules.
+    """
+    random = np.random.default_rng(seed)
+    mean = np.array(task.reference)
+    low = np.array([parameter.low for parameter in task.parameters])
+    high = np.array([parameter.high for parameter in task.parameters])
+    size = deviation * np.maximum(np.abs(mean), LEAST_SHARE * (high - low))
+    for _ in range(DRAWS):
+        values = np.clip(np.round(random.normal(mean, size), 5), low, high)
+        try:
+            return Morphology(task.check(values.tolist()), "drawn around the reference")
+        except InvalidMorphology:
+            continue
+    raise NothingTrained(
+        f"{task.id}: none of {DRAWS} morphologies drawn around the reference is valid; "
+        "choose a smaller --method-option deviation"
+    )

@@ -1,0 +1,56 @@
+"""Coarse stage: a grid of morphologies x rewards, made diverse by reflection (paper, Sec. 4.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TypeVar
+
+from robomore.designers.designer import Designer
+from robomore.search.measure import Evaluate
+from robomore.search.method import SearchContext
+from robomore.search.propose import diverse, filled, independent
+from robomore.search.robomore.planning import COARSE
+from robomore.search.robomore.screening import screened
+from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.types import Design, Evaluation, Place, Slot, Trial
+
+T = TypeVar("T")
+
+
+def coarse(
+    designer: Designer, evaluate: Evaluate, settings: RoboMoReSettings, context: SearchContext
+) -> list[Evaluation]:
+    """Return the evaluations of the pairs, row by row (paper, Alg. 1, first half).
+
+    A slot that the designer cannot fill leaves its row or column empty. If the reference reward is
+    in, it is the first column.
+
+    Raises:
+        NothingTrained: there is not one morphology or not one reward.
+    """
+
+    def proposals(ask: Callable[[Slot, Sequence[T]], T], kind: str, count: int) -> dict[int, T]:
+        slots = [Slot(COARSE, kind, (index,)) for index in range(count)]
+        if designer.reflects:
+            found = diverse(ask, slots)
+        else:
+            found = independent([partial(ask, slot, ()) for slot in slots], context.map_fn)
+        return filled(found, kind)
+
+    morphologies = proposals(designer.propose_morphology, "morphology", settings.morphologies)
+    rewards = {}
+    if settings.reference_reward == "in":
+        rewards[0] = context.reference.reward
+    if settings.proposed_rewards:
+        first = len(rewards)
+        found = proposals(designer.propose_reward, "reward", settings.proposed_rewards)
+        rewards |= {first + index: reward for index, reward in found.items()}
+    trials = [
+        Trial(Design(morphology, reward), Place(stage=COARSE, index=(i, j)))
+        for i, morphology in morphologies.items()
+        for j, reward in rewards.items()
+    ]
+    if settings.screening == "none":
+        return evaluate(trials)
+    return screened(evaluate, trials, settings, context)

@@ -1,0 +1,76 @@
+"""How much the paper's search may ask for, from its sizes."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from robomore.plan import Plan, Stage
+from robomore.search.measure import survivor_count
+from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.settings import Budget
+
+COARSE, SCREENING, FINE = "coarse", "screening", "fine"
+
+_TYPICAL_CYCLES = 2
+"""Cycles after which most branches have stopped improving."""
+
+
+def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
+    """Return the stages of the search with the most that each may ask for."""
+    pairs = settings.morphologies * settings.rewards
+    trainings, batches = _coarse_trainings(settings)
+    branches = survivor_count(settings.survivors, pairs)
+    cycles = settings.max_cycles
+    return Plan(
+        (
+            Stage(
+                name=COARSE,
+                axes=("morphology", "reward"),
+                shape=(settings.morphologies, settings.rewards),
+                proposals=(
+                    ("propose", "morphology", settings.morphologies),
+                    ("propose", "reward", settings.proposed_rewards),
+                ),
+                evaluations=pairs,
+                steps=round(trainings * candidate.steps),
+                batches=batches,
+            ),
+            Stage(name=SCREENING, axes=("morphology",), role="screening"),
+            Stage(
+                name=FINE,
+                axes=("branch", "cycle"),
+                shape=(branches, cycles),
+                proposals=(
+                    ("improve", "morphology", branches * cycles),
+                    ("improve", "reward", branches * cycles),
+                ),
+                evaluations=2 * branches * cycles,
+                steps=2 * branches * cycles * candidate.steps,
+                batches=2 * cycles,
+                typical=min(1.0, _TYPICAL_CYCLES / max(1, cycles)),
+            ),
+        )
+    )
+
+
+def _coarse_trainings(settings: RoboMoReSettings) -> tuple[float, int]:
+    """Return how many full trainings the grid amounts to, and in how many batches they come."""
+    rows, columns = settings.morphologies, settings.rewards
+    pairs = rows * columns
+    if settings.screening == "none" or not settings.rungs:
+        return pairs, 1
+    look = settings.prefilter_fraction > 0
+    racing = pairs
+    if look:
+        full = max(1, math.ceil((1 - settings.prefilter_fraction) * rows))
+        few = min(columns, settings.prefiltered_rewards + (settings.reference_reward == "in"))
+        racing = full * columns + (rows - full) * few
+    first = settings.rungs[0].budget_fraction
+    trainings = racing * first
+    if look and settings.reference_reward == "out":
+        trainings += rows * first
+    ends = [*(rung.budget_fraction for rung in settings.rungs), 1.0]
+    for rung, (begin, end) in zip(settings.rungs, pairwise(ends), strict=True):
+        trainings += survivor_count(rung.keep_fraction, pairs) * (end - begin)
+    return trainings, len(settings.rungs) + 1 + look

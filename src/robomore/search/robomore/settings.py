@@ -1,0 +1,72 @@
+"""Sizes of the paper's search (paper, Table 4), and how its grid is screened."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated, Literal
+
+import msgspec
+
+from robomore.errors import InputError
+
+Count = Annotated[int, msgspec.Meta(ge=1)]
+Fraction = Annotated[float, msgspec.Meta(gt=0, le=1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Rung:
+    """A stop on the way to a candidate's full training, where the worst are cut."""
+
+    budget_fraction: Annotated[float, msgspec.Meta(gt=0, lt=1)]
+    """Of the full steps, up to which everyone still in the race is trained."""
+    keep_fraction: Fraction
+    """Fraction of the grid's pairs that go on from here; at least one does."""
+
+
+@dataclass(frozen=True, slots=True)
+class RoboMoReSettings:
+    """Options of the method `robomore`."""
+
+    morphologies: Count = 25
+    """Rows of the coarse grid (N_M)."""
+    rewards: Count = 5
+    """Columns of the coarse grid (N_R), the reference reward's among them if it is in."""
+    reference_reward: Literal["in", "out"] = "in"
+    """Whether the reference reward is one column of the grid and may win; the paper leaves it
+    out."""
+    survivors: Fraction = 0.05
+    """Fraction of the grid that the fine stage starts from (k); at least one design."""
+    max_cycles: Annotated[int, msgspec.Meta(ge=0)] = 10
+    """Most cycles of the fine stage. The paper stops only when a cycle improved nothing."""
+    screening: Literal["none", "halving"] = "none"
+    """How the grid is thinned out: `none` trains every pair to the end, as the paper does;
+    `halving` cuts the worst on the way (successive halving)."""
+    rungs: tuple[Rung, ...] = (Rung(0.2, 0.25), Rung(0.4, 0.1))
+    """With halving: where is cut. What is kept at the last rung is trained to the end."""
+    prefilter_fraction: Annotated[float, msgspec.Meta(ge=0, lt=1)] = 0.4
+    """With halving: fraction of the morphologies, worst under the reference reward at the first
+    rung, that get fewer rewards tried; 0 treats all alike."""
+    prefiltered_rewards: Annotated[int, msgspec.Meta(ge=0)] = 1
+    """With halving: proposed rewards tried on each of those, the first ones proposed."""
+
+    @property
+    def proposed_rewards(self) -> int:
+        """Columns of the grid that the designer fills."""
+        return self.rewards - (self.reference_reward == "in")
+
+    def check(self) -> None:
+        """Refuse rungs that make no sense.
+
+        Raises:
+            InputError: naming the rung, the range and the remedy.
+        """
+        for first, second in pairwise(self.rungs):
+            if not (
+                first.budget_fraction < second.budget_fraction
+                and first.keep_fraction >= second.keep_fraction
+            ):
+                raise InputError(
+                    f"{second} comes after {first}: budget_fraction has to rise from rung to rung, "
+                    "and keep_fraction must not"
+                )
