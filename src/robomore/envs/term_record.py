@@ -62,6 +62,11 @@ class TermRecord:
             for name, (count, total, low, high) in self._terms.items()
         }
 
+    def sums(self) -> dict[str, tuple[int, float]]:
+        """Return count and sum by name."""
+        self._settle()
+        return {name: (int(count), total) for name, (count, total, _, _) in self._terms.items()}
+
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything, as arrays."""
         self._settle()

@@ -116,7 +116,7 @@ class CurveRecorder:
         self._counted = facts["counted"]
         self._returns, self._lengths = arrays["curve_returns"], arrays["curve_lengths"]
 
-    def _with_terms(self, sums: Mapping[str, tuple[float, float]]) -> Sums:
+    def _with_terms(self, sums: Mapping[str, tuple[int, float]]) -> Sums:
         """Return the open point and, in it, the reward terms since the last point."""
         point = {name: list(pair) for name, pair in self._open.items()}
         for name, (count, total) in sums.items():

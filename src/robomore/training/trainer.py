@@ -45,7 +45,7 @@ class TrainingEnv(Protocol):
         """
         ...
 
-    def reward_sums(self) -> dict[str, tuple[float, float]]:
+    def reward_sums(self) -> dict[str, tuple[int, float]]:
         """Return, for each reward term, how many finite values it had so far, and their sum."""
         ...
 
@@ -65,11 +65,11 @@ class TrainingResult:
     Attributes:
         policies: the policy at the end of training, and before it some from shortly before, oldest
             first: whoever measures them may choose.
-        curve: how the training went; empty if the trainer keeps none.
+        curve: how the training went; `None` if the trainer does not say.
     """
 
     policies: tuple[MLPPolicy, ...]
-    curve: Curve = Curve()
+    curve: Curve | None = None
 
 
 class Trainer(Protocol):

@@ -159,6 +159,10 @@ class BatchedReward:
         """Return mean, low and high of each term over all steps so far."""
         return self._single.statistics()
 
+    def sums(self) -> dict[str, tuple[int, float]]:
+        """Return, for each term, how many finite values it had so far, and their sum."""
+        return self._single.terms.sums()
+
     @property
     def note(self) -> str:
         """How the reward ran."""
