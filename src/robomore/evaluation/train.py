@@ -51,7 +51,5 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     for index, policy in enumerate(trained.policies):
         policy.save(scratch / POLICIES.replace("*", f"{index:02}"))
     return msgspec.json.encode(
-        Training(
-            job.steps, environment.reward_statistics(), environment.notes(), trained.curve
-        )
+        Training(job.steps, environment.reward_statistics(), environment.notes(), trained.curve)
     )

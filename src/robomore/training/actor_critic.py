@@ -70,9 +70,7 @@ def initial_alpha(settings: OffPolicySettings) -> Any:
     return Alpha(log_alpha, initial_adam(log_alpha))
 
 
-def soft_target(
-    batch: Minibatch, next_value: jax.Array, entropy_bonus: jax.Array
-) -> jax.Array:
+def soft_target(batch: Minibatch, next_value: jax.Array, entropy_bonus: jax.Array) -> jax.Array:
     """Return what the critics learn: the reward, and the next state's value with its entropy."""
     return batch.reward + batch.bootstrap * (next_value + entropy_bonus)
 

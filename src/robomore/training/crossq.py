@@ -95,7 +95,12 @@ class CrossQ(OffPolicyTrainer):
         do_round = _compiled(self.settings, done >= self.settings.renorm_warmup_steps)
         state, folded, losses = do_round(state, rows, noise, numbers)
         layers = [(np.asarray(weight), np.asarray(bias)) for weight, bias in folded]
-        return state, layers, {name: float(value) for name, value in losses.items()}
+        means = {name: float(value) for name, value in losses.items()}
+        # The actor learns in some of the steps alone, and has no loss in the others.
+        of_actor = means.pop("loss/actor") * len(rows)
+        if times := np.count_nonzero(numbers % self.settings.policy_delay == 0):
+            means["loss/actor"] = of_actor / float(times)
+        return state, layers, means
 
 
 @lru_cache
@@ -111,7 +116,7 @@ def _round(
     noise: jax.Array,
     numbers: jax.Array,
 ) -> tuple[TrainState, Folded, dict[str, jax.Array]]:
-    """Return the state after a round, its folded policy, and losses averaged over the round."""
+    """Return the state after a round, its folded policy, and losses averaged over its steps."""
     action_size = noise.shape[-1]
     sizes = network_sizes(settings, observation_size(rows, action_size), action_size)
     step = partial(_gradient_step, settings, sizes, renormalise)
@@ -129,15 +134,22 @@ def _gradient_step(
     """One step of the critics and, at every `policy_delay`-th, of actor and entropy weight."""
     rows, (next_noise, noise), number = given
     batch = split_rows(rows, noise.shape[-1])
-    critics, loss = _update_critics(settings, sizes, renormalise, state, batch, next_noise)
+    critics, of_critics = _update_critics(settings, sizes, renormalise, state, batch, next_noise)
 
-    def update(actor: Actor) -> Actor:
+    def update(actor: Actor) -> tuple[Actor, jax.Array]:
         return _update_actor(settings, sizes, renormalise, actor, critics, batch.observation, noise)
 
-    actor = jax.lax.cond(
-        number % settings.policy_delay == 0, update, lambda actor: actor, state.actor
-    )
-    return TrainState(actor, critics), {"loss/critic": loss, "alpha": jnp.exp(actor.alpha.log)}
+    def keep(actor: Actor) -> tuple[Actor, jax.Array]:
+        return actor, jnp.zeros(())
+
+    due = number % settings.policy_delay == 0
+    actor, of_actor = jax.lax.cond(due, update, keep, state.actor)
+    losses = {
+        "loss/critic": of_critics,
+        "loss/actor": of_actor,
+        "alpha": jnp.exp(actor.alpha.log),
+    }
+    return TrainState(actor, critics), losses
 
 
 def _update_critics(
@@ -185,7 +197,7 @@ def _update_actor(
     critics: Critics,
     observation: jax.Array,
     noise: jax.Array,
-) -> Actor:
+) -> tuple[Actor, jax.Array]:
     decay = settings.beta1, settings.beta2
     alpha = jnp.exp(actor.alpha.log)
     running = networks.moments(actor.moments, sizes.actor)
@@ -205,14 +217,14 @@ def _update_actor(
         return actor_loss(alpha, log_prob, value), (-log_prob.mean(), seen)
 
     layers = networks.layers(actor.parameters, sizes.actor)
-    gradients, (entropy, seen) = jax.grad(loss, has_aux=True)(layers)
+    (value, (entropy, seen)), gradients = jax.value_and_grad(loss, has_aux=True)(layers)
     parameters, adam = adam_step(
         actor.adam, actor.parameters, networks.flatten(gradients), settings.actor_lr, decay
     )
     moments = _track(settings, actor.moments, networks.flatten(seen))
     size = noise.shape[-1]
     updated = update_alpha(settings, actor.alpha, entropy, size, settings.alpha_lr, decay)
-    return Actor(parameters, moments, adam, updated)
+    return Actor(parameters, moments, adam, updated), value
 
 
 def aggregate_q(settings: CrossQSettings, values: jax.Array) -> jax.Array:

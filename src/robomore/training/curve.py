@@ -59,9 +59,7 @@ class CurveRecorder:
             self._returns[ended] = 0
             self._lengths[ended] = 0
 
-    def note_round(
-        self, steps: int, losses: Mapping[str, float], environment: TrainingEnv
-    ) -> None:
+    def note_round(self, steps: int, losses: Mapping[str, float], environment: TrainingEnv) -> None:
         """Count one round.
 
         Args:

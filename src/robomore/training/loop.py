@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import logging
 import math
-import time
 from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any
@@ -21,23 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.errors import TrainingDiverged
-from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from robomore.training.checkpoint import Checkpoint, checkpoint_of, save_checkpoint
 from robomore.training.compilation import use_cache
 from robomore.training.curve import CurveRecorder
 from robomore.training.gaussian import explore
 from robomore.training.policy import MLPPolicy
 from robomore.training.replay_buffer import ReplayBuffer
+from robomore.training.rounds import train_in_rounds, whole_rounds
 from robomore.training.settings import LoopSettings
 from robomore.training.threads import use_one_thread
-from robomore.training.trainer import (
-    PROGRESS_SECONDS,
-    Progress,
-    TrainingEnv,
-    TrainingResult,
-    count_rounds,
-)
-
-log = logging.getLogger(__name__)
+from robomore.training.trainer import Progress, TrainingEnv, TrainingResult
 
 Layers = list[tuple[NDArray[np.float32], NDArray[np.float32]]]
 """Weight and bias of each layer of a stochastic policy, normalisation folded in. The last layer
@@ -100,31 +91,14 @@ class OffPolicyTrainer(ABC):
         checkpoint: Path | None = None,
         progress: Progress | None = None,
     ) -> TrainingResult:
-        """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`.
-
-        Raises:
-            InputError: fewer steps than one round.
-            TrainingDiverged: a weight or a loss is no longer a finite number.
-        """
-        rounds = count_rounds(self.settings, environment, steps)
+        """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`."""
+        steps = whole_rounds(self.settings, environment, steps)
         run = TrainingRun(self, self.settings, environment, seed)
-        if checkpoint is None or not run.restore(checkpoint, rounds):
-            run.observation = environment.reset(seed)
-        told = time.monotonic()
-        while run.rounds < rounds:
-            run.advance()
-            if progress is not None and time.monotonic() - told > PROGRESS_SECONDS:
-                told = time.monotonic()
-                progress(run.steps)
-        if progress is not None:
-            progress(run.steps)
-        if checkpoint is not None:
-            run.save(checkpoint)
-        return run.result()
+        return train_in_rounds(run, steps, checkpoint, progress)
 
 
 class TrainingRun:
-    """A training under way."""
+    """A training under way, in an environment that starts anew or from a checkpoint."""
 
     def __init__(
         self,
@@ -144,8 +118,8 @@ class TrainingRun:
         self.earlier: list[Layers] = []  # policies put aside
         self.curve = CurveRecorder(environment.num_envs)
         self.num_deterministic = int(settings.deterministic_env_fraction * environment.num_envs)
-        self.observation = np.zeros((environment.num_envs, sizes[0]))
-        self.rounds = 0
+        self.observation = environment.reset(seed)
+        self.steps = 0
         self.updates = 0
         # A checkpoint is of this training if these agree; JSON, so that they compare as stored.
         identity = [
@@ -157,17 +131,12 @@ class TrainingRun:
         ]
         self.identity = json.loads(json.dumps(identity))
 
-    @property
-    def steps(self) -> int:
-        """Control steps done, over all environments."""
-        return self.rounds * self.settings.train_freq * self.environment.num_envs
-
     def advance(self) -> None:
         """Act for one round, then learn from what the buffer holds."""
         before = self.steps
         for _ in range(self.settings.train_freq):
             self._act()
-        self.rounds += 1
+        self.steps += self.settings.train_freq * self.environment.num_envs
         losses: dict[str, float] = {}
         if self.steps >= self.settings.learning_starts:
             losses = self._learn()
@@ -241,7 +210,7 @@ class TrainingRun:
         arrays["buffer_ended"] = self.buffer.ended[: self.buffer.size]
         facts = {
             "identity": self.identity,
-            "rounds": self.rounds,
+            "steps": self.steps,
             "updates": self.updates,
             "earlier": len(self.earlier),
             "curve": curve,
@@ -250,18 +219,12 @@ class TrainingRun:
         }
         save_checkpoint(folder, Checkpoint(facts, arrays, self.environment.state()))
 
-    def restore(self, folder: Path, rounds: int) -> bool:
-        """Continue from `folder` if it holds this training after at most `rounds`."""
-        found = load_checkpoint(folder)
+    def restore(self, folder: Path, most_steps: int) -> None:
+        """Continue from `folder` if it holds this training after at most `most_steps`."""
+        found = checkpoint_of(folder, self.identity, most_steps)
         if found is None:
-            return False
+            return
         facts, arrays = found.facts, found.arrays
-        if facts["identity"] != self.identity:
-            log.warning("the checkpoint in %s is of another training; starting anew", folder)
-            return False
-        if facts["rounds"] > rounds:
-            log.info("the checkpoint in %s is past %d rounds; starting anew", folder, rounds)
-            return False
         leaves, tree = jax.tree.flatten(self.state)
         self.state = jax.tree.unflatten(tree, [arrays[f"state{i}"] for i in range(len(leaves))])
         indices = range(len(self.layers))
@@ -273,11 +236,10 @@ class TrainingRun:
         self.earlier = [stored(f"earlier{i}") for i in range(facts["earlier"])]
         self.observation = arrays["observation"]
         self.buffer.restore(arrays["buffer"], arrays["buffer_ended"], facts["buffer_position"])
-        self.rounds, self.updates = facts["rounds"], facts["updates"]
+        self.steps, self.updates = facts["steps"], facts["updates"]
         self.random.bit_generator.state = facts["random"]
         self.curve.restore(facts["curve"], arrays)
         self.environment.restore(found.environment)
-        return True
 
     def _policies(self) -> dict[str, Layers]:
         """Everything that has the form of a policy, by the name it is stored under."""

@@ -122,9 +122,7 @@ def _gradient_step(
     rows, (next_noise, noise) = given
     batch = split_rows(rows, noise.shape[-1])
     critics, of_critics = _update_critics(settings, sizes, state, batch, next_noise)
-    actor, of_actor = _update_actor(
-        settings, sizes, state.actor, critics, batch.observation, noise
-    )
+    actor, of_actor = _update_actor(settings, sizes, state.actor, critics, batch.observation, noise)
     losses = {
         "loss/critic": of_critics,
         "loss/actor": of_actor,

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import logging
 import os
-import time
 from pathlib import Path
 from typing import Any
 
@@ -23,25 +21,22 @@ from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecEnv
 
 from robomore.errors import TrainingDiverged
-from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from robomore.training.checkpoint import Checkpoint, checkpoint_of, save_checkpoint
 from robomore.training.curve import CurveRecorder
 from robomore.training.policy import MLPPolicy
+from robomore.training.rounds import train_in_rounds, whole_rounds
 from robomore.training.settings import SB3Settings
 from robomore.training.threads import ONE_THREAD
-from robomore.training.trainer import (
-    PROGRESS_SECONDS,
-    Progress,
-    TrainingEnv,
-    TrainingResult,
-    count_rounds,
-)
-
-log = logging.getLogger(__name__)
+from robomore.training.trainer import Progress, TrainingEnv, TrainingResult
 
 _BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
 """Arrays of the library's replay buffer."""
 
-_SERIES = {"train/critic_loss": "loss/critic", "train/actor_loss": "loss/actor", "train/ent_coef": "alpha"}
+_SERIES = {
+    "train/critic_loss": "loss/critic",
+    "train/actor_loss": "loss/actor",
+    "train/ent_coef": "alpha",
+}
 """What the library logs, and how the learning curve calls it."""
 
 
@@ -65,28 +60,10 @@ class SB3:
         checkpoint: Path | None = None,
         progress: Progress | None = None,
     ) -> TrainingResult:
-        """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`.
-
-        Raises:
-            InputError: fewer steps than one round.
-            TrainingDiverged: a weight is no longer a finite number.
-        """
-        round_steps = self.settings.train_freq * environment.num_envs
-        steps = count_rounds(self.settings, environment, steps) * round_steps
+        """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`."""
+        steps = whole_rounds(self.settings, environment, steps)
         run = _Run(self.settings, environment, steps, seed)
-        if checkpoint is not None:
-            run.restore(checkpoint)
-        told = time.monotonic()
-        while run.steps < steps:
-            run.advance()
-            if progress is not None and time.monotonic() - told > PROGRESS_SECONDS:
-                told = time.monotonic()
-                progress(run.steps)
-        if progress is not None:
-            progress(run.steps)
-        if checkpoint is not None:
-            run.save(checkpoint)
-        return TrainingResult((run.policy(),), run.curve.curve(run.steps, environment))
+        return train_in_rounds(run, steps, checkpoint, progress)
 
 
 class _Run:
@@ -97,7 +74,6 @@ class _Run:
     ) -> None:
         self.settings = settings
         self.environment = environment
-        self.budget = budget
         self.curve = CurveRecorder(environment.num_envs)
         self.model = SAC(
             "MlpPolicy",
@@ -158,15 +134,16 @@ class _Run:
                 "a finite number; the rewards may be too large"
             )
 
-    def policy(self) -> MLPPolicy:
-        """Return the deterministic policy."""
+    def result(self) -> TrainingResult:
+        """Return what the training has given so far; its policy is the deterministic one."""
         actor = self.model.actor
         linear = [part for part in actor.latent_pi if isinstance(part, torch.nn.Linear)]
         layers = [*linear, actor.mu]
-        return MLPPolicy(
+        policy = MLPPolicy(
             tuple(layer.weight.detach().numpy().T.copy() for layer in layers),
             tuple(layer.bias.detach().numpy().copy() for layer in layers),
         )
+        return TrainingResult((policy,), self.curve.curve(self.steps, self.environment))
 
     def save(self, folder: Path) -> None:
         """Leave everything in `folder`."""
@@ -193,22 +170,14 @@ class _Run:
             "random_numpy": [kind, *place],
             "random_actions": model.action_space.np_random.bit_generator.state,
         }
-        save_checkpoint(
-            folder, Checkpoint(facts, arrays | curve_arrays, self.environment.state())
-        )
+        save_checkpoint(folder, Checkpoint(facts, arrays | curve_arrays, self.environment.state()))
 
-    def restore(self, folder: Path) -> None:
-        """Continue from `folder` if it holds this training within its budget."""
-        found = load_checkpoint(folder)
+    def restore(self, folder: Path, most_steps: int) -> None:
+        """Continue from `folder` if it holds this training after at most `most_steps`."""
+        found = checkpoint_of(folder, self.identity, most_steps)
         if found is None:
             return
         facts, arrays = found.facts, found.arrays
-        if facts["identity"] != self.identity:
-            log.warning("the checkpoint in %s is of another training; starting anew", folder)
-            return
-        if facts["steps"] > self.budget:
-            log.info("the checkpoint in %s is past %d steps; starting anew", folder, self.budget)
-            return
         model, buffer = self.model, self.model.replay_buffer
         with torch.no_grad():
             for name, tensor in self._tensors().items():

@@ -98,7 +98,7 @@ class CrossQSettings(LoopSettings):
     alpha_lr: Positive = 5e-3
     """Adam's learning rate for the weight of the entropy."""
     beta1: Fraction = 0.5
-    """Adam's decay of the mean gradient; the low value steadies learning without target networks."""
+    """Adam's decay of the mean gradient; the low value steadies learning without targets."""
     beta2: Fraction = 0.999
     """Adam's decay of the mean squared gradient."""
     policy_delay: Count = 3

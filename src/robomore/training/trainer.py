@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.transition import Transition as Transition
-from robomore.errors import InputError
 from robomore.training.policy import MLPPolicy
 from robomore.types import Curve
 
@@ -102,8 +101,8 @@ class Trainer(Protocol):
             steps: the budget, counted from the very first step. Nothing else may depend on it: a
                 longer training passes through the shorter ones.
             seed: of everything random.
-            checkpoint: folder that holds a checkpoint to continue from, if it is one of this
-                training and of at most `steps`. The new checkpoint is left there. `None` keeps none.
+            checkpoint: folder to continue from, if it holds a checkpoint of this training after at
+                most `steps`. The new checkpoint is left there. `None` keeps none.
             progress: is told the steps done, some times a second at most.
 
         Raises:
@@ -111,24 +110,3 @@ class Trainer(Protocol):
             TrainingDiverged: a weight or a loss is no longer a finite number.
         """
         ...
-
-
-def count_rounds(settings: Any, environment: TrainingEnv, steps: int) -> int:
-    """Return how many rounds of acting and learning fit into `steps` control steps.
-
-    Args:
-        settings: of an algorithm that learns every `train_freq` steps of each environment.
-        environment: what it trains in.
-        steps: the budget, over all environments.
-
-    Raises:
-        InputError: fewer steps than one round.
-    """
-    size = settings.train_freq * environment.num_envs
-    rounds: int = steps // size
-    if rounds < 1:
-        raise InputError(
-            f"{steps} control steps are too few: one round of training is {size} "
-            f"(train_freq = {settings.train_freq} times {environment.num_envs} environments)"
-        )
-    return rounds
