@@ -17,34 +17,47 @@ MODULES = sorted(SOURCE.rglob("*.py"))
 LAYERS = (
     {"errors"},
     {"types"},
-    {"identity", "settings"},
-    {"events"},
-    {"llm", "sandbox", "tasks"},
+    {"identity", "plan", "registry", "settings"},
+    {"events", "options"},
+    {"tasks"},
+    {"envs", "llm", "sandbox"},
+    {"rewards", "rendering"},
     {"store"},
     {"designers", "executors", "training"},
     {"evaluation"},
-    {"report", "search"},
+    {"search"},
+    {"monitor", "runs"},
+    {"report", "visualize"},
     {"experiment"},
+    {"testing"},
     {"cli"},
 )
 """From the ground up. A module imports its own package and what stands below it, nothing else."""
 
 RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}
 
-STRANGERS = {
+APART = {
     "llm": {"sandbox", "settings", "tasks"},
     "executors": {"llm", "sandbox", "store", "tasks"},
-    "report": {"evaluation", "executors", "sandbox", "training"},
+    "rendering": {"llm", "sandbox"},
+    "search": {"envs", "evaluation", "executors", "llm", "sandbox", "store", "training"},
+    "runs": {"evaluation", "executors", "sandbox", "search"},
+    "report": {"evaluation", "executors", "sandbox", "search", "training"},
+    "visualize": {"evaluation", "executors", "sandbox", "search", "training"},
+    "monitor": {"evaluation", "executors", "sandbox", "search", "store", "training"},
 }
 """What a package does without although it stands below: an LLM knows no tasks, an executor no
-robots, and a report needs neither trainer nor sandbox, only a run's folder."""
+robots, a search no files and no physics, and a report needs only a run's folder."""
+
+UPWARDS = {("runs/run.py", "report")}
+"""The one import against the order: whoever holds a run asks it for its report."""
 
 HEAVY = ("gymnasium", "jax", "jaxlib", "matplotlib", "mujoco", "plotly", "ray", "scipy", "torch")
 MODEL_LIBRARIES = ("anthropic", "google.genai", "openai", "pydantic_ai")
 
 VAGUE = {"common.py", "helper.py", "helpers.py", "misc.py", "util.py", "utils.py"}
 
-LONGEST = 400
+LONGEST = 375
 """Lines in a file; hardly any needs as many."""
 
 _REFERENCE = re.compile(r"robomore((?:\.\w+)+)(?::\w+)?")
@@ -103,7 +116,8 @@ def test_a_module_imports_only_what_stands_below_it() -> None:
             f"{place(module)}:{line} imports {name}"
             for line, name in imported(module)
             if name != own
-            and (RANK.get(name, len(RANK)) >= RANK[own] or name in STRANGERS.get(own, ()))
+            and (place(module), name) not in UPWARDS
+            and (RANK.get(name, len(RANK)) >= RANK[own] or name in APART.get(own, ()))
         ]
     assert not faults
 
@@ -135,9 +149,12 @@ def all_of(package: str) -> str:
         (all_of("executors"), (*HEAVY, *MODEL_LIBRARIES)),
         ("import robomore.llm", (*HEAVY, *MODEL_LIBRARIES)),
         (all_of("report"), ("jax", "jaxlib", "torch")),
+        (all_of("runs"), ("jax", "jaxlib", "mujoco", "torch")),
+        (all_of("monitor"), HEAVY),
+        (all_of("tasks"), (*HEAVY, *MODEL_LIBRARIES)),
         ("import robomore.cli", (*HEAVY, *MODEL_LIBRARIES)),
     ],
-    ids=["robomore", "search", "executors", "llm", "report", "cli"],
+    ids=["robomore", "search", "executors", "llm", "report", "runs", "monitor", "tasks", "cli"],
 )
 def test_what_is_loaded(statement: str, unwanted: tuple[str, ...]) -> None:
     too_much = loaded_by(statement) & set(unwanted)

@@ -13,14 +13,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs.batched.reward import BatchedReward
 from robomore.envs.gather import Gather, Scatter
 from robomore.envs.random_state import generator_state, seed_generator, set_generator_state
+from robomore.envs.reward_runner import RewardRunner
 from robomore.envs.robots import environment_class
 from robomore.envs.robots.base import (
     Array,
     RewardFunction,
-    RobotEnvironment,
     all_of_each,
 )
 from robomore.envs.transition import Transition
@@ -54,13 +53,13 @@ class VectorEnv:
         action_size: motors.
         environment: one Gymnasium environment of this body, for its options and batched facts.
         data: MuJoCo's data of each simulation.
-        observation: (n, observation_size) what the next actions answer to.
-        physics_state: (n, nq + nv) positions and velocities now.
-        qpos: (n, nq) the positions in it.
-        qvel: (n, nv) the velocities in it.
-        cfrc_ext: (n, bodies, 6) contact forces after the last step, where anything asks for them.
-        healthy: (n,) bool after the last step.
-        diverged: (n,) bool, the physics diverged in the last step.
+        observation: (num_envs, observation_size) what the next actions answer to.
+        physics_state: (num_envs, nq + nv) positions and velocities now.
+        qpos: (num_envs, nq) the positions in it.
+        qvel: (num_envs, nv) the velocities in it.
+        cfrc_ext: (num_envs, bodies, 6) contact forces after the last step, where anything asks for them.
+        healthy: (num_envs,) bool after the last step.
+        diverged: (num_envs,) bool, the physics diverged in the last step.
         divergences: how often it did in all.
     """
 
@@ -72,7 +71,6 @@ class VectorEnv:
         reward: RewardFunction | None = None,
         *,
         auto_reset: bool = True,
-        batched: bool = True,
         episode_seconds: float | None = None,
     ) -> None:
         """Build the simulations; `reset` or `reset_one` has to come before `step`.
@@ -84,8 +82,6 @@ class VectorEnv:
             reward: called after every step; without one all rewards are 0.
             auto_reset: whether an ended episode is followed by the next one at once. Without it,
                 the caller starts episodes with `reset_one`.
-            batched: whether the reward may run for all simulations at once, where that gives the
-                same numbers.
             episode_seconds: time after which an episode is cut off, if that is before the task's
                 own; `None` for the task's own.
 
@@ -106,7 +102,7 @@ class VectorEnv:
             self._steps = min(self._steps, max(1, round(episode_seconds / self._dt)))
         self._auto_reset = auto_reset
         self._terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
-        self._falls = type(self.environment).batch_healthy is not RobotEnvironment.batch_healthy
+        self._falls = self.environment.judges_health()
 
         self.data = [mujoco.MjData(self.model) for _ in range(num_envs)]
         self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(num_envs)]
@@ -139,27 +135,20 @@ class VectorEnv:
         self._episodes = 0
         self._over = np.zeros(num_envs, np.bool_)
         self._last_qpos: Array = self.qpos  # as the last step left it
-        self._runner: BatchedReward | None = None
+        self._runner: RewardRunner | None = None
         if reward is not None:
-            live = {"qpos": self.qpos, "qvel": self.qvel, "cfrc_ext": self.cfrc_ext}
-            self._runner = BatchedReward(
-                reward,
-                self.environment,
-                self.data,
-                self._generators,
-                self._need_forces,
-                live,
-                allowed=batched,
+            self._runner = RewardRunner(
+                reward, self.environment, self.data, self._generators, self._need_forces
             )
 
     @property
     def elapsed(self) -> NDArray[np.int64]:
-        """(n,) control steps done in each episode."""
+        """(num_envs,) control steps done in each episode."""
         return self._now - self._began
 
     @property
     def root_positions(self) -> Array:
-        """(n, 2) x and z of the torso in m, as the last step left them.
+        """(num_envs, 2) x and z of the torso in m, as the last step left them.
 
         An episode that starts by itself does not count: after a step that ended an episode these
         are its last positions, after `reset` and `reset_one` the first ones.
@@ -167,13 +156,11 @@ class VectorEnv:
         return self.environment.batch_root(self._last_qpos)
 
     def reset(self, seed: int) -> Array:
-        """Start all episodes anew; returns observations (n, observation_size).
+        """Start all episodes anew; returns observations (num_envs, observation_size).
 
         Each simulation draws from a random state of its own, derived from `seed` and its index.
         """
         self.observation = self.observation.copy()  # the last one belongs to the caller
-        if self._runner is not None:
-            self._runner.begin()
         for index, generator in enumerate(self._generators):
             seed_generator(generator, np.random.SeedSequence([seed, index]))
             self._begin(index)
@@ -193,7 +180,7 @@ class VectorEnv:
         return first
 
     def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
-        """Apply `actions` (n, action_size) in [-1, 1] for one control step.
+        """Apply `actions` (num_envs, action_size) in [-1, 1] for one control step.
 
         Raises:
             RewardFailed: the reward raised or was not a finite number.
@@ -228,7 +215,7 @@ class VectorEnv:
             x_velocity = (self._position - before) / self._dt
             if diverged:
                 x_velocity[self.diverged] = 0.0
-            reward = self._runner(self, x_velocity, applied)
+            reward = self._runner(x_velocity, applied, self.healthy)
         self._now += 1
         self._left -= 1
         truncated, ended = np.zeros(self.num_envs, np.bool_), terminated
@@ -254,10 +241,9 @@ class VectorEnv:
 
     def notes(self) -> tuple[str, ...]:
         """Return facts worth keeping about how these simulations ran."""
-        found = [] if self._runner is None else [self._runner.note]
-        if self.divergences:
-            found.append(f"the physics diverged in {self.divergences} of {self._episodes} episodes")
-        return tuple(found)
+        if not self.divergences:
+            return ()
+        return (f"the physics diverged in {self.divergences} of {self._episodes} episodes",)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything needed to continue bit-exactly, as arrays.

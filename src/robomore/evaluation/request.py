@@ -7,7 +7,7 @@ from itertools import islice
 
 import msgspec
 
-from robomore.sandbox.sanitize import plain
+from robomore.sandbox.sanitize import sanitize
 from robomore.training.curve import check_curve
 from robomore.types import Curve, Evaluation, Job, TermStatistics
 
@@ -75,12 +75,12 @@ def believed(reply: bytes) -> Training:
     curve = claimed.curve
     if curve is not None:
         check_curve(curve)
-        curve = Curve(curve.steps, {plain(name): curve.series[name] for name in curve.series})
+        curve = Curve(curve.steps, {sanitize(name): curve.series[name] for name in curve.series})
     terms = islice(claimed.terms.items(), _MOST_TERMS)
     return Training(
         claimed.steps,
-        {plain(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
-        tuple(plain(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
+        {sanitize(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
+        tuple(sanitize(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
         curve,
     )
 

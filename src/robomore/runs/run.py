@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from robomore.errors import InputError, RunFolderError
+from robomore.errors import InputError
 from robomore.llm import Spending
 from robomore.plan import Plan
-from robomore.runs.empty import EmptySlot, empty_slots
-from robomore.runs.lineage import Record, ancestry, best_of
+from robomore.runs.empty import EmptySlot
+from robomore.runs.lineage import Record, ancestry, best_of, same_training
+from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.statistics import Spread, ratio
 from robomore.runs.table import Row, dataframe, rows
-from robomore.runs.trained import TrainedDesign, trained_design
+from robomore.runs.trained import TrainedDesign
 from robomore.runs.warnings import warnings_about
 from robomore.settings import Objective
-from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
+from robomore.store import Ledger, Manifest, RunFolder
 from robomore.store.ledger import Proposal
-from robomore.tasks import Task, get_task
-from robomore.tasks.fingerprint import fingerprint
+from robomore.tasks import Task
 from robomore.types import Curve, Evaluation, Place, Status
 
 if TYPE_CHECKING:
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 
 FEWEST_FOR_HEADLINE = 3
 """Training seeds below which no ratio is put into a headline."""
-
-ROLES = ("champion", "found", "reference", "morphology_only", "reward_only")
-"""Groups of the final, as a run's last event names them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,10 +130,16 @@ class Run:
 
     @property
     def headline(self) -> Spread | None:
-        """The ratio, if the final has seeds enough to be put into a headline."""
-        if not self.final or self.manifest.settings.final.seeds < FEWEST_FOR_HEADLINE:
+        """The ratio, if something was found and has seeds enough to be put into a headline."""
+        if not self.final or self.champion_role == "reference":
             return None
-        return self.ratio
+        enough = self.manifest.settings.final.seeds >= FEWEST_FOR_HEADLINE
+        return self.ratio if enough else None
+
+    @cached_property
+    def pairs(self) -> Pairs | None:
+        """The pairs of the final side by side; `None` before it, or if there is one pair only."""
+        return crossed_pairs(self)
 
     @cached_property
     def evaluations(self) -> tuple[Evaluation, ...]:
@@ -157,7 +160,7 @@ class Run:
     @cached_property
     def cut(self) -> tuple[Record, ...]:
         """Records of the search that screening cut short."""
-        whole = set(id(record) for record in self.searched)
+        whole = {id(record) for record in self.searched}
         return tuple(
             record
             for record in self.records
@@ -301,86 +304,10 @@ class Run:
     def _champion_seed(self) -> Evaluation:
         if self.champion is None or not self.champion.trained:
             raise InputError(f"{self.folder} has nothing trained yet; wait, or run it on")
-        best = best_of(self.champion.trained, self.objective)
-        assert best is not None
-        return best
+        return self.champion.best(self.objective)
 
     def _role(self, record: Record) -> str:
         return self.plan.stage(record.place.stage).role
-
-
-def load_run(folder: str | Path) -> Run:
-    """Read a run folder; the run may still go on.
-
-    Raises:
-        RunFolderError: it is no run folder.
-        LedgerError: its ledger is damaged.
-        InputError: its task is not installed here.
-    """
-    path = Path(folder)
-    files = RunFolder.existing(path)
-    manifest = Manifest.load(files.manifest)
-    task = get_task(manifest.task)
-    if not files.ledger.is_file():
-        raise RunFolderError(f"{path} has no ledger; start its run again with the same command")
-    with closing(Ledger(files.ledger, read_only=True)) as ledger:
-        placed = ledger.placed()
-        untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
-        proposals = tuple(ledger.proposals())
-        ends = [event for event in ledger.events() if event.kind == "finished"]
-    with closing(LedgerExchanges(files.ledger, read_only=True)) as exchanges:
-        spending = exchanges.spent()
-    plan = manifest.plan
-    records = tuple(
-        # A resumed run asks again from the start, so the ledger's own order may be half old.
-        sorted((Record(*pair) for pair in placed), key=lambda record: plan.position(record.place))
-    )
-    groups = _groups(task, records, ends[-1].body if ends else {})
-    champion, role = groups.get("champion"), ""
-    if champion is not None:
-        # Of equals the first: it is the champion's own group.
-        role = next(
-            name for name in ROLES[1:] if name in groups and groups[name].design == champion.design
-        )
-    run = Run(
-        folder=path,
-        manifest=manifest,
-        task=task,
-        final=champion is not None,
-        champion=champion,
-        champion_role=role,
-        found=groups.get("found"),
-        reference=groups.get("reference"),
-        morphology_only=groups.get("morphology_only"),
-        reward_only=groups.get("reward_only"),
-        records=records,
-        untried=untried,
-        proposals=proposals,
-        empty=empty_slots(proposals, plan),
-        spending=spending,
-        task_changes=_changes(manifest.task_parts, fingerprint(task)),
-    )
-    if champion is None and (best := best_of((r.evaluation for r in run.searched), run.objective)):
-        return replace(run, champion=trained_design("best so far", task, [best]))
-    return run
-
-
-def _groups(
-    task: Task, records: Sequence[Record], finished: dict[str, Any]
-) -> dict[str, TrainedDesign]:
-    """Return the groups of the final by role; none while the run goes on, or if one is broken."""
-    by_key = {record.evaluation.key: record.evaluation for record in records}
-    found = {}
-    for role in ROLES:
-        keys = finished.get(role)
-        if not isinstance(keys, list) or not keys or any(key not in by_key for key in keys):
-            return {}
-        found[role] = trained_design(role, task, [by_key[key] for key in keys])
-    return found
-
-
-def _changes(then: dict[str, str], now: dict[str, str]) -> tuple[str, ...]:
-    return tuple(sorted(part for part in then | now if then.get(part) != now.get(part)))
 
 
 def _ratio(
@@ -393,9 +320,8 @@ def _ratio(
 
 def _steps(evaluations: Iterable[Evaluation]) -> int:
     # A training that went on from rung to rung has an evaluation for each, of the same steps.
-    longest: dict[tuple[object, ...], int] = {}
+    longest: dict[object, int] = {}
     for evaluation in evaluations:
-        design = evaluation.design
-        training = (design.morphology.parameters, design.reward.source, evaluation.job.seed)
+        training = same_training(evaluation)
         longest[training] = max(evaluation.steps, longest.get(training, 0))
     return sum(longest.values())

@@ -1,0 +1,147 @@
+"""What may be changed in a preset, one name for each: as arguments, in words, and found again."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, get_args
+
+from robomore.errors import InputError
+from robomore.identity import content_key
+from robomore.settings import (
+    PRESETS,
+    Objective,
+    RunSettings,
+    preset,
+    with_method,
+    with_steps,
+    with_trainer,
+)
+
+_LONGEST_NAME = 100
+"""Characters of a name of settings; file systems take 255 for all of a folder's name."""
+
+
+def with_options(
+    settings: RunSettings,
+    *,
+    method: str | None = None,
+    method_options: Mapping[str, Any] = {},
+    trainer: str | None = None,
+    trainer_options: Mapping[str, Any] = {},
+    steps: int | None = None,
+    final_steps: int | None = None,
+    finalists: int | None = None,
+    final_seeds: int | None = None,
+    objective: Objective | None = None,
+) -> RunSettings:
+    """Return `settings` with some of them changed; `None` leaves one as it is.
+
+    Whether a method or a trainer of that name exists, and takes these options, is checked where it
+    is made (`robomore.search.make_method`, `robomore.training.settings.ensure_trainer`).
+
+    Args:
+        settings: a preset, for example.
+        method: name of a search method; another one starts from its own defaults.
+        method_options: fields of the method's settings by name.
+        trainer: name of a trainer; another one starts from its own defaults.
+        trainer_options: fields of the trainer's settings by name.
+        steps: control steps of training for each candidate; the final's change by the same factor.
+        final_steps: control steps of each training in the final.
+        finalists: designs of the search that are trained anew in the final.
+        final_seeds: training seeds of each design in the final.
+        objective: what is compared, `efficiency` or `fitness`.
+
+    Raises:
+        InputError: a number below 1, or an unknown objective.
+    """
+    for option, value in (
+        ("steps", steps),
+        ("final-steps", final_steps),
+        ("finalists", finalists),
+        ("final-seeds", final_seeds),
+    ):
+        if value is not None and value < 1:
+            raise InputError(f"--{option} is {value}; give a number from 1 up")
+    if objective is not None and objective not in get_args(Objective):
+        raise InputError(
+            f"--objective is {objective!r}; choose one of {', '.join(get_args(Objective))}"
+        )
+    settings = with_method(settings, method, method_options)
+    settings = with_trainer(settings, trainer, trainer_options)
+    if steps is not None:
+        settings = with_steps(settings, steps)
+    final = {"steps": final_steps, "finalists": finalists, "seeds": final_seeds}
+    given = {name: value for name, value in final.items() if value is not None}
+    settings = replace(settings, final=replace(settings.final, **given))
+    return replace(settings, objective=objective) if objective else settings
+
+
+def changes(name: str, settings: RunSettings) -> dict[str, Any] | None:
+    """Return the arguments of `with_options` that make `settings` of a preset.
+
+    Args:
+        name: of the preset.
+        settings: that are wanted.
+
+    Returns:
+        Only what differs; `None` where there is no such preset, or no options give these settings.
+    """
+    if name not in PRESETS:
+        return None
+    plain = preset(name)
+    found: dict[str, Any] = {}
+    for kind, change in (("method", with_method), ("trainer", with_trainer)):
+        wanted = getattr(settings, kind)
+        if wanted.name != getattr(plain, kind).name:
+            found[kind] = wanted.name
+        usual = getattr(change(plain, wanted.name), kind).options
+        if differing := {
+            option: value
+            for option, value in wanted.options.items()
+            if option not in usual or usual[option] != value
+        }:
+            found[f"{kind}_options"] = differing
+    if settings.candidate.steps != plain.candidate.steps:
+        found["steps"] = settings.candidate.steps
+        plain = with_steps(plain, settings.candidate.steps)
+    for option, field in (
+        ("final_steps", "steps"),
+        ("finalists", "finalists"),
+        ("final_seeds", "seeds"),
+    ):
+        if getattr(settings.final, field) != getattr(plain.final, field):
+            found[option] = getattr(settings.final, field)
+    if settings.objective != plain.objective:
+        found["objective"] = settings.objective
+    return found if with_options(preset(name), **found) == settings else None
+
+
+def settings_name(name: str, settings: RunSettings) -> str:
+    """Return a name for settings made of a preset, fit for a folder: `quick-steps5000`.
+
+    Args:
+        name: of the preset. It stands before the first `-`.
+        settings: made of the preset. Where no options give them, they are called `custom`.
+    """
+    found = changes(name, settings)
+    if found is None:
+        return "custom"
+    words = [name]
+    for option, value in found.items():
+        if isinstance(value, str):
+            words.append(value)
+        elif isinstance(value, Mapping):
+            words += [f"{one}{_plain(chosen)}" for one, chosen in value.items()]
+        else:
+            words.append(f"{option.replace('_', '-')}{value}")
+    said = "-".join(re.sub(r"[^\w.+-]+", "_", word).strip("_") for word in words)
+    if len(said) > _LONGEST_NAME:
+        said = f"{said[: _LONGEST_NAME - 9]}-{content_key(found)[:8]}"
+    return said
+
+
+def _plain(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)

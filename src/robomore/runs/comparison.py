@@ -1,0 +1,77 @@
+"""Several runs side by side: what each found, over its own reference, and what it cost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from robomore.runs.loading import load_run
+from robomore.runs.run import Run
+from robomore.runs.statistics import Spread
+from robomore.runs.table import Row, dataframe
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Runs in the order they were given."""
+
+    runs: tuple[Run, ...]
+
+    def rows(self) -> list[Row]:
+        """Return one row a run; the same columns for every method.
+
+        Units: fitness m, volume m^3, efficiency m/m^3. `ratio` is champion over reference in what
+        that run compared, with its 95 % interval where there are seeds enough for one.
+        """
+        return [_row(run) for run in self.runs]
+
+    def to_dataframe(self) -> Any:
+        """Return the rows as a `pandas.DataFrame`; without pandas, as a list of dicts."""
+        return dataframe(self.rows())
+
+
+def compare(runs: Sequence[Run | str | Path]) -> Comparison:
+    """Return runs side by side.
+
+    Args:
+        runs: runs, or their folders.
+
+    Raises:
+        RunFolderError: one is no run folder.
+    """
+    return Comparison(tuple(run if isinstance(run, Run) else load_run(run) for run in runs))
+
+
+def _row(run: Run) -> Row:
+    manifest, champion, reference = run.manifest, run.champion, run.reference
+    found = champion.score(run.objective) if champion else None
+    low, high = (run.ratio.interval if run.ratio else None) or (None, None)
+    return {
+        "run": str(run.folder),
+        "task": manifest.task,
+        "method": manifest.settings.method.name,
+        "preset": manifest.preset,
+        "designer": manifest.designer,
+        "seed": manifest.seed,
+        "finished": run.final,
+        "objective": run.objective,
+        "champion": _mean(found),
+        "reference": _mean(reference.score(run.objective) if reference else None),
+        "ratio": _mean(run.ratio),
+        "ratio_low": low,
+        "ratio_high": high,
+        "final_seeds": len(champion.evaluations) if champion and run.final else 0,
+        "fitness": _mean(champion.fitness if champion else None),
+        "volume": champion.volume if champion else None,
+        "proposed_by": run.champion_role,
+        "evaluations": run.cost.evaluations,
+        "search_steps": run.search_steps,
+        "steps": run.cost.steps,
+        "core_seconds": run.cost.core_seconds,
+    }
+
+
+def _mean(measured: Spread | None) -> float | None:
+    return measured.mean if measured else None

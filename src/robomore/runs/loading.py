@@ -1,0 +1,96 @@
+"""From a run's folder to a `Run`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from robomore.errors import RunFolderError
+from robomore.runs.empty import empty_slots
+from robomore.runs.lineage import Record, best_of
+from robomore.runs.run import Run
+from robomore.runs.trained import TrainedDesign, trained_design
+from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
+from robomore.tasks import Task, get_task
+from robomore.tasks.fingerprint import fingerprint
+
+ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
+"""Groups of the final, as a run's last event names them."""
+
+
+def load_run(folder: str | Path) -> Run:
+    """Read a run folder; the run may still go on.
+
+    Raises:
+        RunFolderError: it is no run folder.
+        LedgerError: its ledger is damaged.
+        InputError: its task is not installed here.
+    """
+    path = Path(folder)
+    files = RunFolder.existing(path)
+    manifest = Manifest.load(files.manifest)
+    task = get_task(manifest.task)
+    if not files.ledger.is_file():
+        raise RunFolderError(f"{path} has no ledger; start its run again with the same command")
+    with closing(Ledger(files.ledger, read_only=True)) as ledger:
+        placed = ledger.placed()
+        untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
+        proposals = tuple(ledger.proposals())
+        ends = [event for event in ledger.events() if event.kind == "finished"]
+    with closing(LedgerExchanges(files.ledger, read_only=True)) as exchanges:
+        spending = exchanges.spent()
+    plan = manifest.plan
+    records = tuple(
+        # A resumed run asks again from the start, so the ledger's own order may be half old.
+        sorted((Record(*pair) for pair in placed), key=lambda record: plan.position(record.place))
+    )
+    groups = _groups(task, records, ends[-1].body if ends else {})
+    champion = groups.get("champion")
+    run = Run(
+        folder=path,
+        manifest=manifest,
+        task=task,
+        final=champion is not None,
+        champion=champion,
+        champion_role=_role(groups),
+        found=groups.get("found"),
+        reference=groups.get("reference"),
+        morphology_only=groups.get("morphology_only"),
+        reward_only=groups.get("reward_only"),
+        records=records,
+        untried=untried,
+        proposals=proposals,
+        empty=empty_slots(proposals, plan),
+        spending=spending,
+        task_changes=_changes(manifest.task_parts, fingerprint(task)),
+    )
+    if champion is None and (best := best_of((r.evaluation for r in run.searched), run.objective)):
+        return replace(run, champion=trained_design("best so far", task, [best]))
+    return run
+
+
+def _groups(
+    task: Task, records: Sequence[Record], finished: dict[str, Any]
+) -> dict[str, TrainedDesign]:
+    """Return the groups of the final by role; none while the run goes on, or if one is broken."""
+    by_key = {record.evaluation.key: record.evaluation for record in records}
+    found = {}
+    for role in ROLES:
+        keys = finished.get(role)
+        if not isinstance(keys, list) or not keys or any(key not in by_key for key in keys):
+            return {}
+        found[role] = trained_design(role, task, [by_key[key] for key in keys])
+    return found
+
+
+def _role(groups: dict[str, TrainedDesign]) -> str:
+    """Return which group the champion is; of groups that share their evaluations the first."""
+    keys = {name: [e.key for e in group.evaluations] for name, group in groups.items()}
+    return next((name for name in ROLES[1:] if name in keys and keys[name] == keys["champion"]), "")
+
+
+def _changes(then: dict[str, str], now: dict[str, str]) -> tuple[str, ...]:
+    return tuple(sorted(part for part in then | now if then.get(part) != now.get(part)))

@@ -1,0 +1,108 @@
+"""A run as a table: one row an evaluation, in each place where it was asked for."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import importlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from robomore.errors import InputError
+from robomore.plan import Plan
+from robomore.runs.lineage import Record
+from robomore.tasks import Task
+
+Row = dict[str, Any]
+
+
+def rows(records: Sequence[Record], task: Task, plan: Plan) -> list[Row]:
+    """Return one row an evaluation, in the order of the search.
+
+    Units: fitness m, volume m^3, efficiency m/m^3, lengths as the task says, times core-seconds.
+    """
+    return [_row(record, task, plan) for record in records]
+
+
+def _row(record: Record, task: Task, plan: Plan) -> Row:
+    place, evaluation = record.place, record.evaluation
+    design = evaluation.design
+    return {
+        "place": plan.describe(place),
+        "stage": place.stage,
+        "index": ".".join(map(str, place.index)),
+        "changed": place.changed,
+        "repeat": place.repeat,
+        "status": str(evaluation.status),
+        "fitness": evaluation.fitness,
+        "volume": evaluation.volume,
+        "efficiency": evaluation.efficiency,
+        "steps": evaluation.job.steps,
+        "core_seconds": evaluation.seconds,
+        "seed": evaluation.job.seed,
+        **dict(zip(task.names, design.morphology.parameters, strict=True)),
+        "morphology_idea": design.morphology.idea,
+        "reward_idea": design.reward.idea,
+        "reward_hash": hashlib.sha256(design.reward.source.encode()).hexdigest()[:12],
+        "diagnosis": evaluation.diagnosis,
+        "key": evaluation.key,
+        "parent": place.parent,
+    }
+
+
+def dataframe(found: Sequence[Row]) -> Any:
+    """Return rows as a `pandas.DataFrame`; without pandas, as the list of dicts that they are."""
+    try:
+        pandas = importlib.import_module("pandas")
+    except ImportError:
+        return list(found)
+    return pandas.DataFrame(found)
+
+
+def write_csv(found: Sequence[Row], path: Path) -> None:
+    """Write rows as CSV in UTF-8, with a line of names first.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    names = list(dict.fromkeys(name for row in found for name in row))
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, names)
+            writer.writeheader()
+            writer.writerows(_plain(row) for row in found)
+    except OSError as error:
+        raise _unwritable(path, error) from None
+
+
+def write_parquet(found: Sequence[Row], path: Path) -> None:
+    """Write rows as Parquet.
+
+    Raises:
+        InputError: pandas or pyarrow is not installed, or the file cannot be written.
+    """
+    try:
+        importlib.import_module("pyarrow")
+        frame = importlib.import_module("pandas").DataFrame(found)
+    except ImportError as error:
+        raise InputError(
+            f"Parquet needs {error.name}, which is not installed: pip install 'robomore[table]', "
+            "or write --csv"
+        ) from None
+    try:
+        frame.to_parquet(path)
+    except OSError as error:
+        raise _unwritable(path, error) from None
+
+
+def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row whose texts no spreadsheet takes for a formula."""
+    return {
+        name: f"'{value}" if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") else value
+        for name, value in row.items()
+    }
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError(f"cannot write {path} ({error.strerror}); name another file")

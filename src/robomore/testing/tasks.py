@@ -1,0 +1,74 @@
+"""Does a task keep what a `Task` promises? Tried by compiling and moving its robot, untrained."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from robomore.envs.compile import body_facts
+from robomore.envs.vector_env import VectorEnv
+from robomore.errors import InvalidMorphology
+from robomore.search.random import drawn
+from robomore.tasks import Task
+from robomore.tasks.fingerprint import fingerprint
+
+DRAWS = 8
+"""Morphologies around the reference that are compiled and moved."""
+
+MOVES = 20
+"""Control steps with random actions of each."""
+
+
+def check_task(task: Task) -> None:
+    """Check that a task keeps its contract: values, volume, simulation and reward.
+
+    Raises:
+        AssertionError: with one sentence on what is wrong.
+    """
+    assert task.parameters, "a task needs at least one free parameter"
+    assert len(set(task.names)) == len(task.names), f"two parameters have one name: {task.names}"
+    for parameter in task.parameters:
+        assert parameter.low < parameter.high, f"{parameter.name}: low has to be below high"
+        assert parameter.low <= parameter.reference <= parameter.high, (
+            f"{parameter.name}: the reference {parameter.reference} is outside its bounds"
+        )
+        assert parameter.scale == "linear" or parameter.low > 0, (
+            f"{parameter.name}: a log scale needs a low bound above 0"
+        )
+        assert parameter.meaning, f"{parameter.name} has no meaning; a designer has to be told one"
+    reference = task.check(task.reference)
+    assert fingerprint(task) == fingerprint(task), "the fingerprint changes from call to call"
+    assert task.volume(reference) > 0, "the reference robot has no volume"
+    assert body_facts(task, reference)["mass"] > 0, "the reference robot has no mass"
+    for seed in range(DRAWS):
+        parameters = drawn(task, seed, deviation=0.1).parameters
+        volume = task.volume(parameters)
+        assert math.isfinite(volume) and volume > 0, f"{parameters} has the volume {volume}"
+        _check_motion(task, parameters, seed)
+    _check_motion(task, reference, DRAWS)
+    outside = [parameter.high + 1.0 for parameter in task.parameters]
+    try:
+        task.check(outside)
+    except InvalidMorphology:
+        return
+    raise AssertionError("parameters beyond their bounds are accepted")
+
+
+def _check_motion(task: Task, parameters: tuple[float, ...], seed: int) -> None:
+    """Move the robot at random under the reference reward, twice with the same seed."""
+    from robomore.envs.reward_text import reward_function
+
+    seen = []
+    for _ in range(2):
+        env = VectorEnv(task, parameters, 2, reward_function(task.reward))
+        assert env.action_size > 0, "the robot has no motors"
+        random = np.random.default_rng(seed)
+        observations = [env.reset(seed)]
+        for _ in range(MOVES):
+            moved = env.step(random.uniform(-1, 1, (2, env.action_size)))
+            observations.append(moved.observation)
+            assert np.isfinite(moved.reward).all(), "the reference reward is not a finite number"
+        seen.append(np.stack(observations))
+    assert np.isfinite(seen[0]).all(), f"an observation of {parameters} is not a finite number"
+    assert np.array_equal(seen[0], seen[1]), "the same seed and actions give another motion"

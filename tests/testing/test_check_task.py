@@ -1,0 +1,43 @@
+"""The contract check passes the paper's tasks, and finds each fault."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from robomore.tasks import Parameter, Task, get_task
+from robomore.testing.tasks import check_task
+
+SWIMMER = get_task("swimmer")
+
+
+@pytest.mark.parametrize("task", ["swimmer", "half-cheetah", "ant-desert"])
+def test_the_paper_s_tasks_keep_the_contract(task: str) -> None:
+    check_task(get_task(task))
+
+
+def first(**changes: Any) -> Task:
+    parameter: Parameter = replace(SWIMMER.parameters[0], **changes)
+    return replace(SWIMMER, parameters=(parameter, *SWIMMER.parameters[1:]))
+
+
+@pytest.mark.parametrize(
+    ("task", "said"),
+    [
+        (replace(SWIMMER, parameters=()), "at least one free parameter"),
+        (first(name=SWIMMER.parameters[1].name), "two parameters have one name"),
+        (first(low=9.0), "low has to be below high"),
+        (first(reference=-1.0), "outside its bounds"),
+        (first(meaning=""), "no meaning"),
+        (replace(SWIMMER, shapes=lambda values: ()), "no volume"),
+        (
+            replace(SWIMMER, reward="def _get_rew(self, v, a):\n    return float('nan'), {}\n"),
+            "must be finite",
+        ),
+    ],
+)
+def test_each_fault_is_found(task: Task, said: str) -> None:
+    with pytest.raises(Exception, match=said):
+        check_task(task)
