@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from robomore.designers.unit_space import UnitSpace
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace
 from robomore.types import (
     Design,
     Evaluation,

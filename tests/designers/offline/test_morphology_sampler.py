@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from robomore.designers.offline.designer import OfflineDesigner
-from robomore.designers.unit_space import UnitSpace, distances
 from robomore.errors import ProposalFailed
 from robomore.search.random import drawn
 from robomore.tasks.registry import TASKS
 from robomore.tasks.task import Rule
+from robomore.tasks.unit_space import UnitSpace, distances
 from robomore.types import Morphology, Slot
 
 COUNT = 25
