@@ -18,7 +18,7 @@ from robomore.events import Observer, Spent
 from robomore.llm import BudgetedClient, MemoryLog, ReplayModel, Spending
 from robomore.rendering.snapshots import pictures
 from robomore.rewards.dry_run import DryRun
-from robomore.sandbox.contain import Containment
+from robomore.sandbox.call import Containment
 from robomore.store import LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import Task
 from robomore.types import Evaluation

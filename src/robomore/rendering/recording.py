@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robomore.cli.trained_design import TrainedDesign
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InputError
-from robomore.report.words import number
+from robomore.runs.words import number
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Functions that are run in a contained child by the tests."""
+"""Functions that the tests run in a sandboxed process."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def surroundings(payload: bytes, scratch: Path, report: Report) -> bytes:
 def end(payload: bytes, scratch: Path, report: Report) -> bytes:
     if payload == b"exit":
         os._exit(3)
-    os.write(2, b"last words")
+    os.write(2, b"last output")
     os.kill(os.getpid(), getattr(signal, payload.decode()))
     return b""
 
@@ -94,7 +94,7 @@ def sleep(payload: bytes, scratch: Path, report: Report) -> bytes:
 
 
 def touch(payload: bytes, scratch: Path, report: Report) -> bytes:
-    """Write to each folder named, read each, and tell what worked."""
+    """Read from and write to each folder named, and return what worked."""
     worked = {}
     for name in json.loads(payload):
         folder = Path(name)

@@ -3,7 +3,7 @@
 # check: error
 
 def _get_rew(self, x_velocity, action):
-    from robomore.sandbox import pulse
-    pulse._slots[0] = 0
+    from robomore.sandbox import heartbeat
+    heartbeat._slots[0] = 0
     while True:
         pass

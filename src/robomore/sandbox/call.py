@@ -1,9 +1,8 @@
-"""Runs a function in a process of its own that cannot reach anything but what it is given."""
+"""Calls a function in a process of its own that can reach nothing but what it is given."""
 
 from __future__ import annotations
 
 import importlib.util
-import json
 import os
 import sys
 import sysconfig
@@ -12,35 +11,37 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
+import msgspec
+
 from robomore.errors import InputError
-from robomore.sandbox import heartbeat as pulse
-from robomore.sandbox.lock import Layer, Lock
-from robomore.sandbox.process import Child
-from robomore.sandbox.supervisor import Follower
+from robomore.sandbox import heartbeat
+from robomore.sandbox.process import ChildProcess
+from robomore.sandbox.restrictions import Layer, Restrictions
+from robomore.sandbox.supervisor import Supervisor
 from robomore.types import Limits, Status
 
 
 class Containment(StrEnum):
-    """What to do on a machine that lacks a layer."""
+    """What to do on a machine that does not offer all sandbox layers."""
 
     STRICT = "strict"
     """Refuse to start."""
     RELAXED = "relaxed"
-    """Use the layers there are."""
+    """Run with the layers that are available."""
 
 
 @dataclass(frozen=True, slots=True)
-class Contained:
-    """How a contained call ended.
+class SandboxResult:
+    """How a sandboxed call ended.
 
     Attributes:
         status: `OK`, or why there is no reply.
-        reply: what the function returned; a stranger may have written it, so check its form.
+        reply: what the function returned. Untrusted code may have written it, so check its form.
         diagnosis: empty when `OK`; else one paragraph for people and designers alike.
         seconds: processor time used, over all threads.
-        peak_memory: most bytes resident.
-        log: the last of what was printed.
-        layers: of each, whether it was on.
+        peak_memory: largest resident memory, in bytes.
+        log: the end of what was printed.
+        layers: the sandbox layers, and whether each was on.
     """
 
     status: Status
@@ -52,7 +53,7 @@ class Contained:
     layers: tuple[Layer, ...] = ()
 
 
-def run_contained(
+def run_sandboxed(
     function: str,
     payload: bytes,
     scratch: Path,
@@ -63,20 +64,20 @@ def run_contained(
     on_progress: Callable[[int], None] | None = None,
     environment: Mapping[str, str] = {},
     mode: Containment = Containment.STRICT,
-) -> Contained:
-    """Call `function(payload, scratch, report)` in a locked-in process and return how it ended.
+) -> SandboxResult:
+    """Call `function(payload, scratch, report)` in a sandboxed process and return how it ended.
 
     Args:
         function: `module:name`; called with payload, scratch folder and a function that reports
             progress as an integer; returns bytes.
-        payload: handed over as it is.
-        scratch: working directory of the process and the folder that it may write to; made if
-            missing, never emptied here.
-        limits: when to give up.
+        payload: passed to the function unchanged.
+        scratch: working directory of the process and the folder that it may write to. It is made
+            if it is missing, and never emptied here.
+        limits: limits of time, memory and files, at which the process is ended.
         readable: files and folders it may read besides Python, its packages and RoboMoRe.
         writable: folders it may write to besides `scratch`; made if missing.
-        on_progress: told the latest progress, some times a second at most.
-        environment: variables it gets besides the allow-list; never put a secret here.
+        on_progress: called with the latest progress, a few times a second at most.
+        environment: environment variables it gets besides the allow-list. Never pass a secret.
         mode: whether a missing layer is an error.
 
     The process is killed when the thread that called this ends, however it ends.
@@ -92,7 +93,7 @@ def run_contained(
     header = {
         "function": function,
         "scratch": str(scratch),
-        "lock": Lock(
+        "restrictions": Restrictions(
             parent=os.getpid(),
             readable=tuple(map(str, _needed(function) | {p.resolve() for p in readable})),
             writable=(os.devnull, *map(str, folders)),
@@ -100,53 +101,54 @@ def run_contained(
             file_bytes=limits.file_bytes,
             cpu_seconds=cpu_seconds,
             strict=mode is Containment.STRICT,
-        ).to_json(),
+        ),
     }
     replies, reply_end = os.pipe()
-    with pulse.page() as page, os.fdopen(replies, "rb", buffering=0) as frames:
+    with heartbeat.page() as page, os.fdopen(replies, "rb", buffering=0) as frames:
         ends = (reply_end, page)
         try:
-            child = Child(
+            child = ChildProcess(
                 [sys.executable, "-P", "-s", "-c", _START, _search_path(), *map(str, ends)],
                 scratch,
-                child_environment(scratch) | dict(environment),
+                process_environment(scratch) | dict(environment),
                 ends,
             )
         finally:
             os.close(reply_end)
-        follower = Follower(child, frames, page, folders, limits, cpu_seconds)
-        follower.follow(json.dumps(header).encode() + b"\n" + payload, on_progress)
-    if follower.refusal is not None:
-        raise refused(follower.refusal)
-    status, diagnosis = follower.verdict or (Status.FAILED, "followed to no end")
-    return Contained(
+        supervisor = Supervisor(child, frames, page, folders, limits, cpu_seconds)
+        status, diagnosis = supervisor.supervise(
+            msgspec.json.encode(header) + b"\n" + payload, on_progress
+        )
+    if supervisor.refusal is not None:
+        raise refused(supervisor.refusal)
+    return SandboxResult(
         status,
-        follower.reply if status is Status.OK else b"",
+        supervisor.reply if status is Status.OK else b"",
         diagnosis,
         child.cpu_seconds,
-        follower.peak_memory,
-        follower.log,
-        follower.layers,
+        supervisor.peak_memory,
+        supervisor.log,
+        supervisor.layers,
     )
 
 
 def refused(why: str) -> InputError:
-    """Return what is said where strict containment is asked for and cannot be had."""
+    """Return the error for a machine on which strict containment is not possible."""
     return InputError(
-        f"this machine cannot contain a reward's code: {why}; "
-        "`--containment relaxed` runs it with the layers that there are"
+        f"strict containment is not possible on this machine: {why}; "
+        "`--containment relaxed` runs rewards with the layers that are available"
     )
 
 
 _CPU_PER_WALL = 2.0
-"""Processor seconds allowed for each second of the wall-clock limit: training is single-threaded,
-compiling is not quite."""
+"""Processor seconds allowed for each second of the wall-clock limit. Training has one thread,
+compiling uses a little more."""
 
 _START = (
     "import sys; sys.path[:] = sys.argv.pop(1).split('\\n'); "
     "from robomore.sandbox.child import main; main(int(sys.argv[1]), int(sys.argv[2]))"
 )
-"""The child gets our own search path, so that it runs the very code that we run."""
+"""The process gets our own search path, so that it runs the same code as its parent."""
 
 _THREADS = (
     "OMP_NUM_THREADS",
@@ -158,8 +160,8 @@ _THREADS = (
 )
 
 
-def child_environment(scratch: Path) -> dict[str, str]:
-    """Return all variables that the child gets; none of ours but where libraries are found."""
+def process_environment(scratch: Path) -> dict[str, str]:
+    """Return all environment variables of the process: of ours, only where libraries are found."""
     kept = {name: os.environ[name] for name in ("LD_LIBRARY_PATH",) if name in os.environ}
     return kept | {
         "PATH": os.defpath,
@@ -211,4 +213,4 @@ _SYSTEM = (
     *("/proc/cpuinfo", "/proc/meminfo", "/proc/sys/vm/overcommit_memory"),
     *("/sys/devices/system/cpu", "/sys/devices/system/node"),
 )
-"""Shared libraries, and what they ask about the machine. Nothing that a user may have written."""
+"""Shared libraries, and what they read about the machine. Nothing that a user may have written."""

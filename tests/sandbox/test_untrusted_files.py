@@ -1,4 +1,4 @@
-"""What a child left is read with suspicion."""
+"""Files that untrusted code may have written are read without trusting them."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from robomore.errors import InvalidReward
-from robomore.rewards.explain import explain
 from robomore.rewards.load import load_reward
+from robomore.sandbox.explain import explain
 
 
 def test_names_are_there_without_an_import(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""A contained call answers, or says why not, and leaves nothing behind."""
+"""A sandboxed call returns its reply, or says why there is none, and leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -14,21 +14,23 @@ from pathlib import Path
 
 import pytest
 
-from robomore.sandbox.contain import Contained, Containment, run_contained
+from robomore.sandbox.call import Containment, SandboxResult, run_sandboxed
 from robomore.sandbox.layers import ensure, layers, strict_is_possible
 from robomore.types import Limits, Status
 
 LIMITS = Limits(wall_seconds=20.0, stall_seconds=10.0)
 
-strictly = pytest.mark.skipif(not strict_is_possible(), reason="no strict containment here")
+strictly = pytest.mark.skipif(
+    not strict_is_possible(), reason="strict containment is not possible on this machine"
+)
 
 
 def call(
     job: str, payload: bytes, scratch: Path, limits: Limits = LIMITS, **options: object
-) -> Contained:
+) -> SandboxResult:
     mode = Containment.STRICT if strict_is_possible() else Containment.RELAXED
-    return run_contained(
-        f"contained_jobs:{job}",
+    return run_sandboxed(
+        f"sandboxed_jobs:{job}",
         payload,
         scratch,
         limits,
@@ -37,20 +39,20 @@ def call(
 
 
 @pytest.fixture(autouse=True)
-def no_children_left() -> Iterator[None]:
+def no_process_left() -> Iterator[None]:
     before = _children()
     yield
     assert _children() <= before
 
 
-def test_answers(tmp_path: Path) -> None:
-    told: list[int] = []
+def test_the_reply_is_returned(tmp_path: Path) -> None:
+    reported: list[int] = []
     payload = os.urandom(3_000_000)
-    contained = call("echo", payload, tmp_path, on_progress=told.append)
-    assert contained.status is Status.OK and contained.diagnosis == ""
-    assert contained.reply == payload
-    assert told[-1] == 2
-    assert 0.0 < contained.seconds < 10.0
+    result = call("echo", payload, tmp_path, on_progress=reported.append)
+    assert result.status is Status.OK and result.diagnosis == ""
+    assert result.reply == payload
+    assert reported[-1] == 2
+    assert 0.0 < result.seconds < 10.0
 
 
 @pytest.mark.parametrize(
@@ -61,18 +63,18 @@ def test_answers(tmp_path: Path) -> None:
     ],
 )
 def test_errors_become_statuses(status: str, tmp_path: Path) -> None:
-    contained = call("fail", status.encode(), tmp_path)
-    assert contained.status == status
-    assert contained.diagnosis and contained.reply == b""
-    assert ("Traceback" in contained.diagnosis) == (status == "failed")
+    result = call("fail", status.encode(), tmp_path)
+    assert result.status == status
+    assert result.diagnosis and result.reply == b""
+    assert ("Traceback" in result.diagnosis) == (status == "failed")
 
 
 def test_a_reward_that_ran_out_of_memory_is_told_from_one_that_is_wrong(tmp_path: Path) -> None:
-    contained = call("fail_for_memory", b"", tmp_path)
-    assert contained.status is Status.OUT_OF_MEMORY
+    result = call("fail_for_memory", b"", tmp_path)
+    assert result.status is Status.OUT_OF_MEMORY
 
 
-def test_an_answer_that_is_none(tmp_path: Path) -> None:
+def test_a_function_without_a_proper_reply(tmp_path: Path) -> None:
     assert call("no_bytes", b"", tmp_path).status is Status.FAILED
     assert call("missing", b"", tmp_path).status is Status.FAILED
 
@@ -92,7 +94,7 @@ def test_surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "secret" not in one.reply.decode()
     assert found["folder"] == found["environment"]["HOME"] == str(tmp_path / "a")
     assert found["stdin"] == ""
-    assert found["descriptors"] == 2  # the pipe of replies and the page of pulses
+    assert found["descriptors"] == 2  # the pipe of replies and the page of heartbeats
     two = json.loads(call("surroundings", b"", tmp_path / "b").reply)
     assert two["order"] == found["order"]
 
@@ -102,29 +104,29 @@ def test_surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     [("exit", "exit status 3"), ("SIGSEGV", "SIGSEGV"), ("SIGKILL", "SIGKILL")],
 )
 def test_death(how: str, words: str, tmp_path: Path) -> None:
-    contained = call("end", how.encode(), tmp_path)
-    assert contained.status is Status.CRASHED
-    assert words in contained.diagnosis
-    assert ("last words" in contained.diagnosis) == (how != "exit")
+    result = call("end", how.encode(), tmp_path)
+    assert result.status is Status.CRASHED
+    assert words in result.diagnosis
+    assert ("last output" in result.diagnosis) == (how != "exit")
 
 
-def test_much_talk_is_drained_and_cut(tmp_path: Path) -> None:
-    contained = call("talk", b"30", tmp_path)
-    assert contained.status is Status.OK
-    assert len(contained.log) <= 64 * 2**10
-    assert contained.log.endswith("the end\N{REPLACEMENT CHARACTER}[2J")
+def test_long_output_is_read_and_cut(tmp_path: Path) -> None:
+    result = call("talk", b"30", tmp_path)
+    assert result.status is Status.OK
+    assert len(result.log) <= 64 * 2**10
+    assert result.log.endswith("the end\N{REPLACEMENT CHARACTER}[2J")
 
 
-def test_too_much_talk_ends_it(tmp_path: Path) -> None:
-    contained = call("talk", b"5000", tmp_path)
-    assert contained.status is Status.REWARD_FAILED
-    assert "must not print" in contained.diagnosis
+def test_too_much_output_ends_the_process(tmp_path: Path) -> None:
+    result = call("talk", b"5000", tmp_path)
+    assert result.status is Status.REWARD_FAILED
+    assert "must not print" in result.diagnosis
 
 
 def test_memory(tmp_path: Path) -> None:
-    contained = call("hoard", b"", tmp_path, replace(LIMITS, memory_bytes=300 * 2**20))
-    assert contained.status is Status.OUT_OF_MEMORY
-    assert contained.peak_memory < 500 * 2**20
+    result = call("hoard", b"", tmp_path, replace(LIMITS, memory_bytes=300 * 2**20))
+    assert result.status is Status.OUT_OF_MEMORY
+    assert result.peak_memory < 500 * 2**20
 
 
 @pytest.mark.parametrize(
@@ -136,14 +138,16 @@ def test_memory(tmp_path: Path) -> None:
 )
 def test_time(payload: bytes, limits: Limits, words: str, tmp_path: Path) -> None:
     began = time.monotonic()
-    contained = call("sleep", payload, tmp_path, limits)
-    assert contained.status is Status.TIMED_OUT
-    assert words in contained.diagnosis
+    result = call("sleep", payload, tmp_path, limits)
+    assert result.status is Status.TIMED_OUT
+    assert words in result.diagnosis
     assert time.monotonic() - began < 8.0
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
-def test_the_parents_own_errors_end_the_child(error: type[BaseException], tmp_path: Path) -> None:
+def test_an_error_in_the_parent_ends_the_process(
+    error: type[BaseException], tmp_path: Path
+) -> None:
     def stop(progress: int) -> None:
         raise error
 
@@ -154,11 +158,11 @@ def test_the_parents_own_errors_end_the_child(error: type[BaseException], tmp_pa
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="Linux ends children with their parents")
-def test_ends_with_its_parent(tmp_path: Path) -> None:
+def test_the_process_ends_with_its_parent(tmp_path: Path) -> None:
     script = (
         "import sys; from pathlib import Path; sys.path.insert(0, sys.argv[1])\n"
-        "from robomore.sandbox.contain import *; from robomore.types import Limits\n"
-        "run_contained('contained_jobs:sleep', b'', Path(sys.argv[2]), Limits(),"
+        "from robomore.sandbox.call import *; from robomore.types import Limits\n"
+        "run_sandboxed('sandboxed_jobs:sleep', b'', Path(sys.argv[2]), Limits(),"
         "readable=[Path(sys.argv[1])], mode=Containment.RELAXED)\n"
     )
     parent = subprocess.Popen([sys.executable, "-c", script, Path(__file__).parent, tmp_path])
@@ -177,14 +181,14 @@ def test_folders(tmp_path: Path) -> None:
     for name in names:
         (tmp_path / name).mkdir()
         (tmp_path / name / "old").write_text("x")
-    contained = call(
+    result = call(
         "touch",
         json.dumps([str(tmp_path / name) for name in names]).encode(),
         tmp_path / "scratch",
         readable=[Path(__file__).parent, tmp_path / "readable"],
         writable=[tmp_path / "writable", tmp_path / "made"],
     )
-    worked = json.loads(contained.reply)
+    worked = json.loads(result.reply)
     assert [worked[str(tmp_path / name)] for name in names] == [
         [True, True],
         [True, False],
@@ -197,9 +201,9 @@ def test_folders(tmp_path: Path) -> None:
 def test_all_folders_count_against_the_disk_limit(tmp_path: Path) -> None:
     limits = replace(LIMITS, file_bytes=2**20)
     aims = json.dumps([str(tmp_path / "scratch"), str(tmp_path / "checkpoint")]).encode()
-    contained = call("fill", aims, tmp_path / "scratch", limits, writable=[tmp_path / "checkpoint"])
-    assert contained.status is Status.REWARD_FAILED, contained.diagnosis
-    assert "more than 3 MiB" in contained.diagnosis
+    result = call("fill", aims, tmp_path / "scratch", limits, writable=[tmp_path / "checkpoint"])
+    assert result.status is Status.REWARD_FAILED, result.diagnosis
+    assert "more than 3 MiB" in result.diagnosis
 
 
 def test_threads_are_allowed(tmp_path: Path) -> None:
@@ -207,13 +211,13 @@ def test_threads_are_allowed(tmp_path: Path) -> None:
 
 
 def test_the_libraries_of_training_work_inside(tmp_path: Path) -> None:
-    contained = call("heavy", b"", tmp_path, Limits(wall_seconds=60.0, stall_seconds=60.0))
-    assert contained.status is Status.OK, contained.diagnosis
-    assert json.loads(contained.reply) == [64.0**3, True]
+    result = call("heavy", b"", tmp_path, Limits(wall_seconds=60.0, stall_seconds=60.0))
+    assert result.status is Status.OK, result.diagnosis
+    assert json.loads(result.reply) == [64.0**3, True]
 
 
 @strictly
-def test_layers_hold() -> None:
+def test_all_layers_hold() -> None:
     assert all(layer.active for layer in layers()), layers()
     assert ensure(Containment.STRICT) == layers()
 
@@ -223,7 +227,7 @@ import ctypes, errno, platform, sys
 from pathlib import Path
 from robomore.errors import InputError
 from robomore.sandbox.linux import seccomp
-from robomore.sandbox.contain import Containment, run_contained
+from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.sandbox.layers import ensure, layers
 from robomore.sandbox.linux.seccomp import Instruction
 from robomore.types import Limits, Status
@@ -237,8 +241,8 @@ ctypes.CDLL(None).prctl(38, 1, 0, 0, 0)
 seccomp.install(steps, platform.machine())
 
 scratch = Path(sys.argv[1])
-relaxed = run_contained(
-    "contained_jobs:echo", b"x", scratch, Limits(), mode=Containment.RELAXED,
+relaxed = run_sandboxed(
+    "sandboxed_jobs:echo", b"x", scratch, Limits(), mode=Containment.RELAXED,
     readable=[Path(sys.argv[2])],
 )
 assert relaxed.status is Status.OK, relaxed
@@ -246,7 +250,7 @@ print(sorted(layer.name for layer in relaxed.layers if not layer.active))
 print(sorted(layer.name for layer in layers() if not layer.active))
 for refuse in (
     lambda: ensure(Containment.STRICT),
-    lambda: run_contained("contained_jobs:echo", b"", scratch, Limits()),
+    lambda: run_sandboxed("sandboxed_jobs:echo", b"", scratch, Limits()),
 ):
     try:
         refuse()
@@ -280,7 +284,7 @@ def test_a_machine_without_a_layer(numbers: tuple[int, ...], layer: str, tmp_pat
 
 
 def _children() -> set[str]:
-    """Return the processes, dead and unburied ones too, whose parent this one is."""
+    """Return the child processes of this process, also those that have ended and wait."""
     found = set()
     for stat in Path("/proc").glob("[0-9]*/stat"):
         try:

@@ -1,5 +1,6 @@
-"""Says of an error what it is and where in the reward it arose. Imports next to nothing, for it is
-needed where memory has run out.
+"""Describes an error and the line of untrusted code in which it arose.
+
+It imports next to nothing, because it is needed when memory has run out.
 """
 
 from __future__ import annotations
@@ -7,22 +8,22 @@ from __future__ import annotations
 import linecache
 import traceback
 
-from robomore.sandbox import heartbeat as pulse
+from robomore.sandbox import heartbeat
 
 FILENAME = "<reward>"
 """The name under which a reward's lines stand in tracebacks."""
 
 _LONGEST = 2_000
-"""Characters of a stranger's own words that a diagnosis repeats."""
+"""Most characters of an error's own message that a diagnosis repeats."""
 
 
 def explain(error: BaseException) -> str:
     """Return what `error` is and in which line of the reward it arose, in one short paragraph."""
     kind = type(error).__name__
     try:
-        with pulse.watched():
+        with heartbeat.watched():
             said = str(error)[:_LONGEST]
-    except BaseException:  # noqa: BLE001  # a stranger's exception may fail to describe itself
+    except BaseException:  # noqa: BLE001  # an untrusted exception may raise as it describes itself
         said = "(its message cannot be read)"
     where = reward_line(error)
     place = f" (line {where[0]}: `{where[1]}`)" if where else ""
