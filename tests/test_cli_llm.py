@@ -410,7 +410,7 @@ def test_the_check_tells_whether_a_model_can_design(robomore_: Command) -> None:
     with serve(("say", "ready"), ("say", '{"length": 2}')) as (url, script):
         status, out, _ = robomore_("llm", "check", "--base-url", url, "--model", "toy")
     assert status == 0 and len(script.seen) == 2
-    assert "answers: ready" in out and "keeps a JSON schema" in out and "240 tokens" in out
+    assert "answers: ready" in out and "keeps to a JSON schema" in out and "240 tokens" in out
     with serve("broken") as (url, script):
         status, _, err = robomore_("llm", "check", "--base-url", url, "--model", "toy")
     assert status == 1 and len(script.seen) == 2 and err.count("\n") == 1
