@@ -388,7 +388,7 @@ def test_a_model_is_told_whose_training_was_cut_short(robomore_: Command, tmp_pa
     sent = script.seen[-1]["messages"]
     assert "after only 410 of 2,048 training steps" in sent[1]["content"]
     assert "Full training takes 2,048 steps" in sent[1]["content"]
-    assert sent[1]["content"].count("## Body") == 2
+    assert sent[1]["content"].count("## Morphology") == 2
     # Screening compares bodies under the reference reward, which is nobody's business.
     assert get_task("swimmer").reward.split("\n")[2] not in sent[1]["content"]
     _, said, _ = robomore_("prompt", "swimmer", "improve-morphology", "--from", out, "--json")

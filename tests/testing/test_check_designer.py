@@ -10,11 +10,10 @@ from typing import Any
 
 import pytest
 
-sys.path.append(str(Path(__file__).parents[1] / "llm"))
 sys.path.append(str(Path(__file__).parents[2] / "examples" / "eel"))
 from eel import EEL
-from scripted import ScriptedModel
 
+from llm.scripted import ScriptedModel
 from robomore.designers.llm.designer import LLMDesigner
 from robomore.designers.offline.designer import OfflineDesigner
 from robomore.errors import ProposalFailed

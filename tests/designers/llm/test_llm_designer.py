@@ -11,10 +11,10 @@ from threading import Barrier, Lock
 from time import sleep
 
 import pytest
-from loopback import serve
 from measured import SWIMMER, body, evaluation, grid, reward
-from scripted import DyingLog, Killed, ScriptedModel
 
+from llm.loopback import serve
+from llm.scripted import DyingLog, Killed, ScriptedModel
 from robomore.designers.designer import Designer
 from robomore.designers.llm.designer import LLMDesigner, LLMSettings
 from robomore.designers.llm.history import HistorySettings

@@ -4,8 +4,8 @@ import time
 
 import numpy as np
 import pytest
-from evaluations import Bowl, evaluation
 
+from designers.evaluations import Bowl, evaluation
 from robomore.designers.offline.designer import OfflineDesigner
 from robomore.designers.offline.surrogate import GaussianProcess, expected_improvement
 from robomore.tasks.registry import TASKS

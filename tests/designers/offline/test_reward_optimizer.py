@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Mapping
 
 import pytest
-from evaluations import evaluation
 
+from designers.evaluations import evaluation
 from robomore.designers.offline.designer import OfflineDesigner
 from robomore.designers.offline.reward_composition import RewardComposition, parse_composition
 from robomore.designers.offline.reward_sampler import RewardSampler
