@@ -25,7 +25,9 @@ def start(designer: OfflineDesigner, count: int) -> list[Morphology]:
 
 
 @pytest.mark.parametrize("objective", ["efficiency", "fitness"])
-@pytest.mark.parametrize("task", ["swimmer", "ant", "hopper"])
+@pytest.mark.parametrize(
+    "task", ["swimmer", *(pytest.param(t, marks=pytest.mark.exhaustive) for t in ("ant", "hopper"))]
+)
 def test_ten_steps_beat_the_best_of_history(task: str, objective: str) -> None:
     known = TASKS[task]
     designer = OfflineDesigner(known, 1, objective)
