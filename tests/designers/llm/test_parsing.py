@@ -115,18 +115,6 @@ def test_noise_never_breaks_the_parsers(noise: str) -> None:
 
 HOSTILE = ["{", '{"', '"', "// ", "```\n", "<think>", "def f(", "import a\n"]
 MORE_HOSTILE = ["{'a':", '{"parameters":', "[", "'", "\\", "{#", " ", "\n", "`", "~~~\n"]
-    "{'a':",
-    '{"parameters":',
-    "[",
-    "'",
-    "\\",
-    "{#",
-    " ",
-    "\n",
-    "`",
-    "~~~\n",
-    "</think>",
-]
 MORE_HOSTILE += ["</think>", "class A:\n", "# ", '"""', "x = 1\n"]
 
 
