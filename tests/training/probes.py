@@ -84,8 +84,8 @@ class Probe:
 
     def reset(self, seed: int) -> NDArray[np.float64]:
         self.random = np.random.default_rng(seed)
-        self.elapsed = np.zeros(self.n, np.int64)
-        self.bit = self.random.integers(0, 2, self.n)
+        self.elapsed = np.zeros(self.num_envs, np.int64)
+        self.bit = self.random.integers(0, 2, self.num_envs)
         return self._observation()
 
     def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
@@ -94,7 +94,7 @@ class Probe:
         final = self._observation()
         ended = self.elapsed >= self.length
         self.elapsed = np.where(ended, 0, self.elapsed)
-        self.bit = np.where(ended, self.random.integers(0, 2, self.n), self.bit)
+        self.bit = np.where(ended, self.random.integers(0, 2, self.num_envs), self.bit)
         terminated, truncated = (ended & kind for kind in self.ending)
         return Transition(self._observation(), reward, terminated, truncated, final)
 
@@ -140,7 +140,7 @@ class Cart:
     def reset(self, seed: int) -> NDArray[np.float64]:
         self.random = np.random.default_rng(seed)
         self.elapsed = 0
-        self.place = self.random.uniform(-1, 1, (self.n, 2))
+        self.place = self.random.uniform(-1, 1, (self.num_envs, 2))
         return self.place
 
     def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
@@ -150,8 +150,8 @@ class Cart:
         self.place = final = np.stack([position, speed], axis=1)
         reward = -np.abs(position) - 0.1 * np.abs(speed)
         self.elapsed += 1
-        ended = np.full(self.n, self.elapsed == self.length)
+        ended = np.full(self.num_envs, self.elapsed == self.length)
         if ended[0]:
             self.elapsed = 0
-            self.place = self.random.uniform(-1, 1, (self.n, 2))
-        return Transition(self.place, reward, np.zeros(self.n, np.bool_), ended, final)
+            self.place = self.random.uniform(-1, 1, (self.num_envs, 2))
+        return Transition(self.place, reward, np.zeros(self.num_envs, np.bool_), ended, final)

@@ -110,7 +110,7 @@ def test_truncation_bootstraps_and_termination_does_not(
     # The last observation looks like the first, so a truncated episode goes on for ever.
     class Loop(Probe):
         def _observation(self) -> NDArray[np.float64]:
-            return np.stack([np.zeros(self.n), self.bit], axis=1)
+            return np.stack([np.zeros(self.num_envs), self.bit], axis=1)
 
     run = trained(algorithm, Loop(lambda elapsed, bit, action: np.ones(4), ending=ending), 4_000)
     assert values(algorithm, run, [0, 1], 0.0) == pytest.approx(value, rel=0.15)

@@ -22,7 +22,7 @@ class Stage:
     observation_size = 1
 
     def __init__(self, n: int) -> None:
-        self.n = n
+        self.num_envs = n
         self.seed = np.zeros(n, np.int64)
         self.elapsed = np.zeros(n, np.int64)
         self.x = np.zeros(n)
@@ -40,15 +40,15 @@ class Stage:
         return np.array([1.0])
 
     def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
-        assert actions.shape == (self.n, 1)
+        assert actions.shape == (self.num_envs, 1)
         assert not self.ended.any()
         self.elapsed += 1
         self.x += actions[:, 0]
         terminated = self.elapsed == self.seed
         truncated = self.elapsed == 10
         self.ended = terminated | truncated
-        observation = np.ones((self.n, 1))
-        return Transition(observation, np.zeros(self.n), terminated, truncated, observation)
+        observation = np.ones((self.num_envs, 1))
+        return Transition(observation, np.zeros(self.num_envs), terminated, truncated, observation)
 
 
 POLICY = MLPPolicy((np.full((1, 1), 0.5, np.float32),), (np.zeros(1, np.float32),))

@@ -17,7 +17,7 @@ class Stage(Protocol):
     """Simulations whose episodes are started one by one (`VectorEnv` without `auto_reset`)."""
 
     @property
-    def n(self) -> int: ...
+    def num_envs(self) -> int: ...
 
     @property
     def root_positions(self) -> NDArray[np.float64]:
