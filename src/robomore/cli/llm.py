@@ -189,7 +189,7 @@ def check(*, model: ModelOptions | None = None) -> None:
     asked = language_model(model)
     found = ask(
         connect(
-            model.model, model.base_url, _price(model.price), RetryPolicy(tries=_TRIES_OF_CHECK)
+            model.model, model.base_url, _price(model.price), RetryPolicy(max_tries=_TRIES_OF_CHECK)
         ),
         asked.settings.sampling,
     )

@@ -8,6 +8,6 @@ for calls that only wait. An executor knows nothing of robots. `EXECUTORS` names
 
 from robomore.executors.executor import Done, Executor, Failed, Outcome
 from robomore.executors.executors import EXECUTORS
-from robomore.executors.thread_map import Threads as thread_map
+from robomore.executors.thread_map import thread_map
 
 __all__ = ["EXECUTORS", "Done", "Executor", "Failed", "Outcome", "thread_map"]

@@ -82,7 +82,7 @@ def choose_designer(
             BudgetedClient(model.model, log, model.budget, watch),
             model.settings,
             objective=objective,
-            rehearse=DryRun(task, folder.scratch, containment),
+            dry_run=DryRun(task, folder.scratch, containment),
             pictures=partial(_pictures, task, folder.artifacts) if model.vision else None,
         )
 
