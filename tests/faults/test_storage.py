@@ -19,8 +19,8 @@ from run_state import rows, same_run
 from told import Command, Said, facts, refused
 
 from robomore.evaluation import evaluator
-from robomore.sandbox.layers import strict_is_possible
 from robomore.store import Ledger, RunFolder
+from strict import strictly
 
 
 @pytest.fixture
@@ -129,12 +129,7 @@ def read_only(tmp_path: Path, *arguments: str | Path) -> Said:
     return Said(done.returncode, done.stdout, done.stderr)
 
 
-needs_landlock = pytest.mark.skipif(
-    not strict_is_possible(), reason="only Landlock keeps root from writing"
-)
-
-
-@needs_landlock
+@strictly
 @pytest.mark.parametrize("log", ["none", "empty", "killed"])
 def test_a_run_on_a_read_only_medium_can_be_looked_at(
     log: str, undisturbed: Path, tmp_path: Path, robomore_: Command
@@ -157,7 +152,7 @@ def test_a_run_on_a_read_only_medium_can_be_looked_at(
     assert count == len(rows(out)) >= 3
 
 
-@needs_landlock
+@strictly
 @pytest.mark.parametrize("there", [True, False])
 def test_a_run_is_not_started_where_it_cannot_be_written(
     there: bool, undisturbed: Path, tmp_path: Path

@@ -13,7 +13,6 @@ from robomore.evaluation import evaluate as module
 from robomore.evaluation.request import Request
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import SandboxResult, run_sandboxed
-from robomore.sandbox.layers import strict_is_possible
 from robomore.tasks import get_task
 from robomore.types import (
     Design,
@@ -25,10 +24,9 @@ from robomore.types import (
     Status,
     TrainerSettings,
 )
+from strict import strictly
 
-pytestmark = pytest.mark.skipif(
-    not strict_is_possible(), reason="strict containment is not possible on this machine"
-)
+pytestmark = strictly
 
 TASK = get_task("swimmer")
 HONEST = "def _get_rew(self, x_velocity, action):\n    return x_velocity, {'speed': x_velocity}\n"

@@ -12,12 +12,10 @@ from world import World, encode, world
 
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import SandboxResult, run_sandboxed
-from robomore.sandbox.layers import strict_is_possible
 from robomore.types import Limits, Status
+from strict import strictly
 
-pytestmark = pytest.mark.skipif(
-    not strict_is_possible(), reason="strict containment is not possible on this machine"
-)
+pytestmark = strictly
 
 LIMITS = Limits(
     wall_seconds=12.0,

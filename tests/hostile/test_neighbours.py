@@ -12,13 +12,11 @@ from test_hostile import HONEST, LIMITS
 from world import World, encode, world
 
 from robomore.sandbox.call import run_sandboxed
-from robomore.sandbox.layers import strict_is_possible
 from robomore.training.checkpoint import load_checkpoint
 from robomore.types import Status
+from strict import strictly
 
-pytestmark = pytest.mark.skipif(
-    not strict_is_possible(), reason="strict containment is not possible on this machine"
-)
+pytestmark = strictly
 
 WORST = (
     *("cheat/patch_numpy", "cheat/forged_reply", "escape/small_integers"),
