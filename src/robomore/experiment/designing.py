@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
@@ -21,7 +22,10 @@ from robomore.rewards.dry_run import DryRun
 from robomore.sandbox.call import Containment
 from robomore.store import LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import Task
+from robomore.training.policy import POLICY, MLPPolicy
 from robomore.types import Evaluation
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,4 +125,11 @@ def _recorded(replay: Replay) -> LanguageModel:
 
 
 def _pictures(task: Task, artifacts: Path, evaluation: Evaluation) -> list[bytes]:
-    return pictures(task, evaluation, artifacts)
+    """Return pictures of a measured design; how it moves only if its policy can be read."""
+    parameters, act = evaluation.design.morphology.parameters, None
+    if evaluation.artifact:
+        try:
+            act = MLPPolicy.load(artifacts / evaluation.artifact / POLICY).act
+        except (OSError, ValueError) as error:
+            log.warning("no picture of how it moves: %s", error)
+    return pictures(task, parameters, act, evaluation.job.seed)
