@@ -49,7 +49,7 @@ MECHANISMS = {
     "endless work while loading": ("availability/endless_loop_at_import",),
     "idleness": ("availability/sleep",),
     "memory": ("availability/huge_array", "availability/leak"),
-    "disk": ("availability/big_file", "availability/many_files"),
+    "disk": ("availability/big_file",),
     "output": ("availability/print_gigabyte",),
     "programs that do not load": ("broken/syntax", "broken/no_function", "broken/raises_at_import"),
     "programs that raise": ("broken/exit", "broken/memory_error", "broken/unknown_name"),

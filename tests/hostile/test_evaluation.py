@@ -14,6 +14,7 @@ from robomore.evaluation.request import Request
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import SandboxResult, run_sandboxed
 from robomore.tasks import get_task
+from robomore.tasks.fingerprint import task_key
 from robomore.types import (
     Design,
     Evaluation,
@@ -75,9 +76,10 @@ def evaluate(planted: World, name: str, source: str) -> Evaluation:
         episodes=1,
         seed=1,
         limits=LIMITS,
+        task_key=task_key(TASK),
     )
     request = Request(job, key=name, scratch=str(planted.scratch(name)))
-    return module.evaluate(request, lambda steps: None)
+    return module.evaluate(request, lambda steps: None).evaluation
 
 
 def look(
