@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import matplotlib
+import matplotlib.pyplot as plt
 import msgspec
 import numpy as np
 import pytest
@@ -58,7 +58,8 @@ class WithPolicies(Untrained):
 
     def map(self, *given: Any, **more: Any) -> Generator[tuple[int, Outcome]]:
         environment = make_environment(TASK)
-        sizes = [*environment.observation_space.shape, *environment.action_space.shape]
+        spaces = (environment.observation_space, environment.action_space)
+        sizes = [size for space in spaces for size in space.shape or ()]
         random = np.random.default_rng(0)
         weight = random.normal(0, 0.1, sizes).astype(np.float32)
         policy = MLPPolicy((weight,), (np.zeros(sizes[1], np.float32),)).to_bytes()
@@ -89,9 +90,11 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(autouse=True)
-def without_a_screen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(matplotlib.rcParams, "_backend_", "agg", raising=False)
-    matplotlib.use("agg")
+def figures() -> Generator[None]:
+    """Figures are drawn without a screen, and closed."""
+    plt.switch_backend("agg")
+    yield
+    plt.close("all")
 
 
 def execute(pieces: Sequence[str], name: str) -> None:
