@@ -148,7 +148,7 @@ def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: 
             *("run", "swimmer", "--designer", "llm", "--base-url", url, "--model", "toy"),
             *("--quiet", "--out", tmp_path / "out"),
         )
-    assert status == 1 and len(script.seen) == RetryPolicy().tries
+    assert status == 1 and len(script.seen) == RetryPolicy().max_tries
     assert "run the same command again" in err and err.count("\n") == 1
 
 
@@ -212,7 +212,7 @@ def test_what_the_settings_do_stands_in_the_ledger(
     usual, mine = exchanges(finished), exchanges(out)
     # Diversity Reflection: earlier proposals in the prompt, or a body said twice is no fault.
     assert [len(_with(run, "Earlier designs")) for run in (usual, mine)] == [3, 0]
-    assert [one.reply for one in mine if one.findings == ()].count(body(0.8)[1]) == 2
+    assert [one.reply for one in mine if one.validation_errors == ()].count(body(0.8)[1]) == 2
     # Repairs: a second answer in the same attempt, or a fresh attempt.
     assert {one.repair for one in usual} == {0, 1} and {one.repair for one in mine} == {0}
     assert [one.slot.attempt for one in mine] == [0, 1, 0, 0, 0, 0]

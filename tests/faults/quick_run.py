@@ -14,7 +14,7 @@ from pathlib import Path
 
 from robomore.cli import main
 from robomore.evaluation import evaluate, evaluator
-from robomore.sandbox.contain import Contained, run_contained
+from robomore.sandbox.call import SandboxResult, run_sandboxed
 from robomore.sandbox.layers import strict_is_possible
 
 STRANGERS = Path(__file__).parents[1] / "hostile"
@@ -50,10 +50,10 @@ def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
 
     def quickly(
         function: str, *arguments: object, readable: object, **options: object
-    ) -> Contained:
-        return run_contained("whole:train", *arguments, readable=[STRANGERS], **options)  # type: ignore[arg-type]
+    ) -> SandboxResult:
+        return run_sandboxed("whole:train", *arguments, readable=[STRANGERS], **options)  # type: ignore[arg-type]
 
-    evaluate.run_contained = quickly  # type: ignore[assignment]
+    evaluate.run_sandboxed = quickly  # type: ignore[assignment]
     evaluate.compiled_trainer = lambda shape, containment: None
     return evaluate.work(payload, progress)
 

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from processes import descendants, kill
 from quick_run import SMOKE, command, environment
-from remains import champion, numbers, rows, same_run
+from run_state import champion, numbers, rows, same_run
 from told import Command, refused
 
 import robomore

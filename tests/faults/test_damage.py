@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from processes import descendants, kill
 from quick_run import SMOKE, command, environment
-from remains import champion, numbers, rows
+from run_state import champion, numbers, rows
 from told import Command, facts, measured, refused
 
 from robomore.cli.trained_design import TrainedDesign, find_trained_design

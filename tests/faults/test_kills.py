@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from processes import children, descendants, kill, running_in
 from quick_run import SMOKE, command, ended, environment
-from remains import rows, same_run
+from run_state import rows, same_run
 
 VICTIMS = ("parent", "worker", "child", "all")
 KILLS = 10

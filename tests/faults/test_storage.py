@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from processes import descendants, kill
 from quick_run import SMOKE, command, ended, environment
-from remains import rows, same_run
+from run_state import rows, same_run
 from told import Command, Said, facts, refused
 
 from robomore.evaluation import evaluator
@@ -103,7 +103,7 @@ READ_ONLY = textwrap.dedent(
     import ctypes, os, sys
     from robomore import experiment
     from robomore.cli import main
-    from robomore.sandbox import landlock
+    from robomore.sandbox.linux import landlock
     # It cannot start the process that would try the layers out.
     experiment._containment = lambda asked, ours: (experiment.Containment(asked), "")
     ctypes.CDLL(None).prctl(38, 1, 0, 0, 0)  # no new privileges

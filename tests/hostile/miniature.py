@@ -18,8 +18,8 @@ import msgspec
 import numpy as np
 
 from robomore.errors import RewardFailed
-from robomore.rewards.explain import explain
 from robomore.rewards.load import load_reward
+from robomore.sandbox.explain import explain
 from robomore.sandbox.untrusted_files import read_file
 
 POLICY = "policy.json"

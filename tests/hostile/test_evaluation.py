@@ -12,7 +12,7 @@ from world import World, world
 from robomore.evaluation import evaluate as module
 from robomore.evaluation.request import Request
 from robomore.rewards.check import check_reward
-from robomore.sandbox.contain import Contained, run_contained
+from robomore.sandbox.call import SandboxResult, run_sandboxed
 from robomore.sandbox.layers import strict_is_possible
 from robomore.tasks import get_task
 from robomore.types import (
@@ -50,18 +50,20 @@ def planted() -> Iterator[World]:
 
 
 @pytest.fixture(autouse=True)
-def quickly(monkeypatch: pytest.MonkeyPatch, planted: World) -> list[Contained]:
+def quickly(monkeypatch: pytest.MonkeyPatch, planted: World) -> list[SandboxResult]:
     """Evaluate with the quick trainer; returns what came out of each child."""
-    seen: list[Contained] = []
+    seen: list[SandboxResult] = []
 
-    def run(function: str, *arguments: object, readable: object, **options: object) -> Contained:
+    def run(
+        function: str, *arguments: object, readable: object, **options: object
+    ) -> SandboxResult:
         folders = [Path(__file__).parent, planted.root / "readable"]
         seen.append(
-            run_contained("whole:train", *arguments, readable=folders, **options)  # type: ignore[arg-type]
+            run_sandboxed("whole:train", *arguments, readable=folders, **options)  # type: ignore[arg-type]
         )
         return seen[-1]
 
-    monkeypatch.setattr(module, "run_contained", run)
+    monkeypatch.setattr(module, "run_sandboxed", run)
     monkeypatch.setattr(module, "compiled_trainer", lambda shape, containment: None)
     return seen
 
@@ -84,11 +86,13 @@ def look(
     planted: World,
     attempt: Attempt,
     evaluation: Evaluation,
-    seen: list[Contained],
+    seen: list[SandboxResult],
     record: pytest.RecordProperty,
 ) -> None:
     """Record what came of an attempt and make sure that nothing got across."""
-    contained = seen[-1] if seen else Contained(evaluation.status, diagnosis=evaluation.diagnosis)
+    contained = (
+        seen[-1] if seen else SandboxResult(evaluation.status, diagnosis=evaluation.diagnosis)
+    )
     breaches = planted.breaches(contained, planted.root / "scratch" / "none")
     record("attempt", attempt.words)
     record("check", "error" if evaluation.status is Status.INVALID_REWARD else "passed")
@@ -107,7 +111,7 @@ def look(
 def test_with_the_check(
     attempt: Attempt,
     planted: World,
-    quickly: list[Contained],
+    quickly: list[SandboxResult],
     record_property: pytest.RecordProperty,
 ) -> None:
     source = planted.address(attempt.source)
@@ -126,7 +130,7 @@ def test_with_the_check(
 def test_without_the_check(
     attempt: Attempt,
     planted: World,
-    quickly: list[Contained],
+    quickly: list[SandboxResult],
     record_property: pytest.RecordProperty,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

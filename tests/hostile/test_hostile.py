@@ -11,7 +11,7 @@ from miniature import BEST, Claims, measure
 from world import World, encode, world
 
 from robomore.rewards.check import check_reward
-from robomore.sandbox.contain import Contained, run_contained
+from robomore.sandbox.call import SandboxResult, run_sandboxed
 from robomore.sandbox.layers import strict_is_possible
 from robomore.types import Limits, Status
 
@@ -46,7 +46,7 @@ def test_nothing_gets_across(
     severities = {finding.severity for finding in check_reward(source)}
     checked = next((it for it in ("error", "warning") if it in severities), "clean")
     scratch = planted.scratch(attempt.name)
-    contained = run_contained(
+    contained = run_sandboxed(
         "miniature:train",
         encode(source),
         scratch,
@@ -93,7 +93,7 @@ def test_the_known_escapes_are_tried_and_many_more() -> None:
         assert set(tried) <= names, way
 
 
-def _fitness(contained: Contained, planted: World, attempt: Attempt) -> float:
+def _fitness(contained: SandboxResult, planted: World, attempt: Attempt) -> float:
     """Return what the parent measures, minus infinity where it refuses what was left behind."""
     try:
         msgspec.json.decode(contained.reply, type=Claims)

@@ -10,7 +10,7 @@ import pytest
 from attempts import attempts
 from world import encode, world
 
-from robomore.sandbox.contain import Contained
+from robomore.sandbox.call import SandboxResult
 from robomore.types import Status
 
 # Harmless where nothing holds them: they read, write and reach what is planted for them.
@@ -46,4 +46,4 @@ def test_without_layers_it_gets_across(name: str) -> None:
             check=False,
         )
         said = done.stdout.decode(errors="replace")
-        assert planted.breaches(Contained(Status.REWARD_FAILED, diagnosis=said), scratch)
+        assert planted.breaches(SandboxResult(Status.REWARD_FAILED, diagnosis=said), scratch)

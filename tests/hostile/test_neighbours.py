@@ -11,7 +11,7 @@ from miniature import POLICY, measure
 from test_hostile import HONEST, LIMITS
 from world import World, encode, world
 
-from robomore.sandbox.contain import run_contained
+from robomore.sandbox.call import run_sandboxed
 from robomore.sandbox.layers import strict_is_possible
 from robomore.training.checkpoint import load_checkpoint
 from robomore.types import Status
@@ -29,7 +29,7 @@ WORST = (
 
 def honest(planted: World, name: str) -> tuple[bytes, bytes, float]:
     scratch = planted.scratch(name)
-    contained = run_contained("miniature:train", encode(HONEST), scratch, LIMITS)
+    contained = run_sandboxed("miniature:train", encode(HONEST), scratch, LIMITS)
     assert contained.status is Status.OK, contained.diagnosis
     return contained.reply, Path(scratch / POLICY).read_bytes(), measure(scratch)
 
@@ -41,7 +41,7 @@ def test_numbers_stay_the_same() -> None:
             if attempt.name not in WORST:
                 continue
             stranger = pool.submit(
-                run_contained,
+                run_sandboxed,
                 "miniature:train",
                 encode(planted.address(attempt.source)),
                 planted.scratch(attempt.name),
@@ -64,7 +64,7 @@ def test_a_checkpoint_of_its_own_opens_no_way_to_anothers(name: str) -> None:
         source = planted.address(attempt.source)
         scratch = planted.scratch(name)
         for words in (source, source.replace(str(planted.root / "neighbour"), "../../neighbour")):
-            ended = run_contained("miniature:train", encode(words), scratch, LIMITS, writable=[own])
+            ended = run_sandboxed("miniature:train", encode(words), scratch, LIMITS, writable=[own])
             assert ended.status is Status.REWARD_FAILED, ended.diagnosis
             assert "Permission" in ended.diagnosis or "denied" in ended.diagnosis, ended.diagnosis
             assert not planted.breaches(ended, scratch)

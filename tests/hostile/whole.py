@@ -27,8 +27,8 @@ class Quick:
         rng = np.random.default_rng(seed)
         environment.reset(seed)
         best, liked = -np.inf, np.zeros(environment.action_size)
-        for step in range(steps // environment.n):
-            actions = rng.uniform(-1.0, 1.0, (environment.n, environment.action_size))
+        for step in range(steps // environment.num_envs):
+            actions = rng.uniform(-1.0, 1.0, (environment.num_envs, environment.action_size))
             rewards = environment.step(actions).reward
             if rewards.max() > best:
                 best, liked = float(rewards.max()), actions[rewards.argmax()]

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from robomore.sandbox.contain import Contained
+from robomore.sandbox.call import SandboxResult
 from robomore.training.checkpoint import Checkpoint, save_checkpoint
 
 TEMPORARY = (Path("/tmp"), Path("/var/tmp"), Path("/dev/shm"))
@@ -101,7 +101,7 @@ class World:
             text = text.replace(f"@{name}@", str(aim))
         return text
 
-    def breaches(self, contained: Contained, scratch: Path) -> list[str]:
+    def breaches(self, contained: SandboxResult, scratch: Path) -> list[str]:
         """Return what got across the boundary, in words; empty if nothing did."""
         found = [f"{name} was reached" for name in self._reached()]
         said = contained.diagnosis + contained.log + contained.reply.decode(errors="replace")

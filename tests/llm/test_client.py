@@ -24,14 +24,14 @@ SCHEMA = {
     "additionalProperties": False,
 }
 PLAIN = Request(
-    Slot("coarse", "reward", 0, 0), 0, (Message("system", "be brief"), Message("user", "ready?"))
+    Slot("coarse", "reward", (0,)), 0, (Message("system", "be brief"), Message("user", "ready?"))
 )
 FORMED = dataclasses.replace(PLAIN, schema=SCHEMA)
 
 
 def model_at(url: str, tries: int = 3, seconds: float = 20.0):
     """A model whose waits are noted, not slept."""
-    model = connect("toy", base_url=url, patience=RetryPolicy(tries=tries, seconds=seconds))
+    model = connect("toy", base_url=url, retry_policy=RetryPolicy(max_tries=tries, timeout=seconds))
     waits: list[float] = []
     model._sleep = waits.append
     return model, waits

@@ -39,13 +39,13 @@ def test_the_quiet_ones_act_by_the_policy_itself_once_there_is_one(
         run.advance()
     for _, actions in environment.seen:
         # Draws of their own, none of them shared.
-        assert len(np.unique(actions)) == environment.n
+        assert len(np.unique(actions)) == environment.num_envs
     assert np.abs([actions for _, actions in environment.seen]).max() > 0.9
 
     policy = deterministic(run.layers)
     environment.seen.clear()
     run.advance()
-    assert len(environment.seen) == settings.train_freq // environment.n
+    assert len(environment.seen) == settings.train_freq // environment.num_envs
     for observation, actions in environment.seen:
         exact = np.isclose(actions, policy.act(observation), atol=1e-6)[:, 0]
         assert exact[:quiet].all()

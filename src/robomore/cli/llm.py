@@ -14,7 +14,7 @@ from robomore.errors import InputError
 
 if TYPE_CHECKING:
     from robomore.designers import LanguageModel, Replay
-    from robomore.settings import SearchSettings
+    from robomore.settings import RunSettings
     from robomore.tasks import Task
 
 llm = App(name="llm", help="Ask a language model whether it can design.")
@@ -161,21 +161,21 @@ def language_model(options: ModelOptions) -> LanguageModel:
     return LanguageModel(model, settings, budget, options.vision, server, options.parallel)
 
 
-def forecast(task: Task, model: LanguageModel, search: SearchSettings) -> str:
+def forecast(task: Task, model: LanguageModel, settings: RunSettings) -> str:
     """Return one line on what a whole run will ask of a model."""
     from robomore.designers.llm.estimate import estimate
+    from robomore.search import SearchContext, make_method
+    from robomore.types import Design, Morphology, Reward
 
-    branches = max(1, math.floor(search.survivors * search.morphologies * search.rewards + 0.5))
-    expected = estimate(
-        task,
-        model.settings,
-        model.model.cost,
-        morphologies=search.morphologies,
-        rewards=search.rewards,
-        branches=branches,
-        cycles=search.max_cycles,
+    context = SearchContext(
+        task=task,
+        reference=Design(Morphology(task.reference), Reward(task.reward)),
+        candidate=settings.candidate,
+        evaluations=settings.evaluations,
     )
-    return f"{model.model.name}: the whole run takes {expected}, if no branch ends early"
+    proposals = make_method(settings.method).plan(context).proposals
+    expected = estimate(task, model.settings, model.model.cost, proposals=proposals)
+    return f"{model.model.name}: the whole run takes at most {expected}"
 
 
 @llm.command
@@ -189,7 +189,7 @@ def check(*, model: ModelOptions | None = None) -> None:
     asked = language_model(model)
     found = ask(
         connect(
-            model.model, model.base_url, _price(model.price), RetryPolicy(tries=_TRIES_OF_CHECK)
+            model.model, model.base_url, _price(model.price), RetryPolicy(max_tries=_TRIES_OF_CHECK)
         ),
         asked.settings.sampling,
     )

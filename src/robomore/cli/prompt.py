@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -107,33 +106,34 @@ def _seen(task: Task, path: Path) -> _Seen:
     Raises:
         InputError: it is no run of this task.
     """
-    from robomore.report.lineage import best_of, in_order
-    from robomore.store import Ledger, Manifest, RunFolder
-    from robomore.types import finished
+    from robomore.runs import load_run
+    from robomore.runs.lineage import best_of
 
-    folder = RunFolder.existing(path)
-    manifest = Manifest.load(folder.manifest)
-    if manifest.task != task.id:
-        raise InputError(f"{path} is a run of {manifest.task!r}, not of {task.id!r}")
-    with closing(Ledger(folder.ledger, read_only=True)) as ledger:
-        placed = in_order(ledger.placed())
-        proposals = [p for p in ledger.proposals() if p.slot.stage == "coarse"]
-    proposals.sort(key=lambda proposal: proposal.slot.index)
-    objective = manifest.settings.search.objective
-    fine = [(place, e) for place, e in placed if place.stage == "fine"]
-    grid = [e for place, e in placed if place.stage == "coarse"]
-    best = best_of(finished([*grid, *(e for _, e in fine)]), objective)
-    # A branch sees the grid and its own trials.
-    branch = next((place.branch for place, e in fine if best and e.key == best.key), None)
-    told = manifest.designer_settings
-    if not told.get("diversity", True):
-        proposals = []
+    run = load_run(path)
+    if run.manifest.task != task.id:
+        raise InputError(f"{path} is a run of {run.manifest.task!r}, not of {task.id!r}")
+    searched = [*run.searched, *run.cut]
+    searched.sort(key=lambda record: run.plan.position(record.place))
+    best = best_of((record.evaluation for record in run.searched), run.objective)
+    # A refinement sees all first ideas, and what was made in its own branch.
+    refined = [record.place for record in searched if record.place.parent]
+    branch = next(
+        (r.place.index[:1] for r in searched if r.place in refined and r.evaluation == best),
+        refined[0].index[:1] if refined else (),
+    )
+    told = run.manifest.designer_settings
+    first = [p for p in run.proposals if not p.slot.improves and told.get("diversity", True)]
+    first.sort(key=lambda proposal: proposal.slot.index)
     return _Seen(
-        objective,
-        [p.morphology for p in proposals if p.morphology],
-        [p.reward for p in proposals if p.reward],
+        run.objective,
+        [p.morphology for p in first if p.morphology],
+        [p.reward for p in first if p.reward],
         best,
-        [*grid, *(e for place, e in fine if place.branch == (branch or 0))],
+        [
+            record.evaluation
+            for record in searched
+            if not record.place.parent or record.place.index[:1] == branch
+        ],
         told.get("history", {}),
         bool(told.get("vision")),
     )

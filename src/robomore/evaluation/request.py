@@ -7,7 +7,7 @@ from itertools import islice
 
 import msgspec
 
-from robomore.sandbox.sanitize import plain
+from robomore.sandbox.sanitize import sanitize
 from robomore.types import Curve, Evaluation, Job, TermStatistics
 
 
@@ -73,8 +73,8 @@ def believed(reply: bytes) -> Training:
     terms = islice(claimed.terms.items(), _MOST_TERMS)
     return Training(
         claimed.steps,
-        {plain(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
-        tuple(plain(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
+        {sanitize(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
+        tuple(sanitize(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
     )
 
 

@@ -1,13 +1,10 @@
-"""A run looked back at: read from its folder alone, by people and by scripts.
+"""A run before people and scripts: read from its folder alone.
 
-`summarise` turns a run folder into one frozen `Summary`; `as_data` is its JSON form (what
-`robomore show --json` prints), and `write_report` its page: one HTML file that needs nothing else.
+`write_report` writes the page of a run, one HTML file that needs nothing else; `as_data` is a run's
+JSON form, which `robomore show --json` prints.
 """
-
-from __future__ import annotations
 
 from robomore.report.json_export import as_data
 from robomore.report.page import write_report
-from robomore.report.summary import Summary, summarise
 
-__all__ = ["Summary", "as_data", "summarise", "write_report"]
+__all__ = ["as_data", "write_report"]

@@ -1,80 +1,70 @@
-"""The coarse grid as a heat map: morphologies down, rewards across, log colour."""
+"""A grid of pairs as a heat map: morphologies down, rewards across, log colour."""
 
 from __future__ import annotations
 
 import math
 
-from robomore.report.summary import Summary
 from robomore.report.svg import element, figure, hover, text
-from robomore.report.words import EFFICIENCY_UNIT, number
-from robomore.types import Evaluation
+from robomore.runs.grid import Cell, Grid
+from robomore.runs.words import EFFICIENCY_UNIT, number, unit_of
 
 _ANCHORS = ((38, 30, 74), (49, 94, 140), (41, 150, 130), (145, 196, 76), (252, 226, 92))
 """Dark to bright in even steps of lightness, so that it reads without colour too."""
-_LEFT, _TOP, _LEGEND = 36.0, 36.0, 54.0
+_LEFT, _TOP, _LEGEND = 36.0, 42.0, 54.0
 _CELL_HEIGHT = 26.0
 
 
-def heatmap(summary: Summary) -> str:
+def heatmap(grid: Grid, objective: str) -> str:
     """Return the grid; a failed cell is crossed out and says why under the pointer.
 
     What screening cut short is pale, and what it left out says so.
+
+    Args:
+        grid: of a run.
+        objective: what is shown, `efficiency` or `fitness`.
     """
-    search = summary.manifest.settings.search
-    objective = summary.objective
-    grid = {
-        (place.morphology, place.reward): evaluation
-        for place, evaluation in (*summary.placed, *summary.cut)
-        if place.stage == "coarse"
-    }
-    full = summary.manifest.settings.candidate.steps
-    untried = {(p.morphology, p.reward): reason for p, reason in summary.untried.items()}
-    if not grid:
-        return ""
-    scores = [score for e in grid.values() if (score := e.score(objective)) is not None]
-    positive = [score for score in scores if score > 0]
+    rows, columns = grid.shape
+    scores = [c.evaluation.score(objective) for c in grid.cells.values() if c.evaluation]
+    positive = [score for score in scores if score is not None and score > 0]
     low, high = (min(positive), max(positive)) if positive else (1.0, 1.0)
-    cell = max(26.0, min(110.0, 560 / search.rewards))
-    parts = [
-        text(f"reward {column + 1}" if cell > 60 else str(column + 1),
-             _LEFT + (column + 0.5) * cell, _TOP - 8, text_anchor="middle", klass="tick")
-        for column in range(search.rewards)
-    ]  # fmt: skip
-    for row in range(search.morphologies):
+    width = max(26.0, min(110.0, 560 / columns))
+    parts = [text("morphology", 0, 10, klass="note")]
+    for column in range(columns):
+        middle = _LEFT + (column + 0.5) * width
+        said = f"reward {column + 1}" if width > 60 else str(column + 1)
+        if column in grid.reference_rewards:
+            said = "reference" if width > 60 else "ref."
+            said += " reward" if width > 100 else ""
+        parts.append(text(said, middle, _TOP - 8, text_anchor="middle", klass="tick"))
+    for row in range(rows):
         middle = _TOP + (row + 0.68) * _CELL_HEIGHT
         parts.append(text(str(row + 1), _LEFT - 8, middle, text_anchor="end", klass="tick"))
-        for column in range(search.rewards):
-            evaluation = grid.get((row, column))
-            share = _share(evaluation, objective, low, high)
-            x, y = _LEFT + column * cell, _TOP + row * _CELL_HEIGHT
-            if (row, column) in untried and evaluation is None:
-                said = f"not tried: {untried[row, column]}"
-                parts.append(element("g", hover(said) + _box(x, y, cell, klass="cell-untried")))
-                continue
-            shown = _cell(evaluation, objective, share, x, y, cell, (row, column))
-            short = evaluation is not None and evaluation.ok and evaluation.job.steps < full
-            parts.append(element("g", shown, klass="cut") if short else shown)
-    parts.append(text("morphology", 0, _TOP - 24, klass="note"))
-    bottom = _TOP + search.morphologies * _CELL_HEIGHT
-    width = _LEFT + search.rewards * cell
+        for column in range(columns):
+            cell = grid.cells[row, column]
+            x, y = _LEFT + column * width, _TOP + row * _CELL_HEIGHT
+            name = f"morphology {row + 1} x reward {column + 1}"
+            shown = _cell(cell, name, objective, (low, high), (x, y, width))
+            parts.append(element("g", shown, klass="cut") if cell.cut else shown)
+    bottom = _TOP + rows * _CELL_HEIGHT
     if positive:
         parts.append(_legend(low, high, bottom + 18, objective))
-    return figure(max(width, 300.0), bottom + _LEGEND, f"{objective} of the coarse grid", parts)
+    whole = max(_LEFT + columns * width, 300.0)
+    return figure(whole, bottom + _LEGEND, f"{objective} in the stage {grid.stage.name}", parts)
 
 
 def _cell(
-    evaluation: Evaluation | None,
+    cell: Cell,
+    name: str,
     objective: str,
-    share: float | None,
-    x: float,
-    y: float,
-    width: float,
-    where: tuple[int, int],
+    ends: tuple[float, float],
+    box: tuple[float, float, float],
 ) -> str:
-    name = f"morphology {where[0] + 1} x reward {where[1] + 1}"
+    x, y, width = box
+    evaluation = cell.evaluation
     if evaluation is None:
-        said = f"{name}: not measured yet"
-        return element("g", hover(said) + _box(x, y, width, klass="cell-open"))
+        said = f"{name}: {cell.reason or 'not measured yet'}"
+        klass = "cell-untried" if cell.reason else "cell-open"
+        return element("g", hover(said) + _box(x, y, width, klass=klass))
     score = evaluation.score(objective)
     if score is None:
         said = f"{name}: {evaluation.status}. {evaluation.diagnosis}"
@@ -82,15 +72,15 @@ def _cell(
         mark = element("path", d=cross, klass="cross")
         if width > 84:
             mark = _label(str(evaluation.status), x, y, width)
-        box = _box(x, y, width, klass="cell-failed")
-        return element("g", hover(said) + box + mark, klass="failed")
+        shown = _box(x, y, width, klass="cell-failed")
+        return element("g", hover(said) + shown + mark, klass="failed")
     said = (
         f"{name}: {number(evaluation.efficiency)} {EFFICIENCY_UNIT} = "
         f"{number(evaluation.fitness)} m / {number(evaluation.volume)} m³ "
-        f"after {evaluation.job.steps:,} steps. "
+        f"after {evaluation.job.steps:,} steps{', cut by screening' if cell.cut else ''}. "
         f"{evaluation.design.morphology.idea} / {evaluation.design.reward.idea}"
     )
-    fill, ink = _colours(share or 0.0)
+    fill, ink = _colours(_share(score, *ends))
     label = _label(number(score, 3), x, y, width, style=f"fill:{ink}") if width > 44 else ""
     return element("g", hover(said) + _box(x, y, width, fill=fill) + label)
 
@@ -105,11 +95,10 @@ def _label(said: str, x: float, y: float, width: float, **attributes: object) ->
     return text(said, x + width / 2, below, text_anchor="middle", **attributes)
 
 
-def _share(evaluation: Evaluation | None, objective: str, low: float, high: float) -> float | None:
+def _share(score: float, low: float, high: float) -> float:
     """Return where a score stands between `low` (0) and `high` (1) in powers; below zero is 0."""
-    score = evaluation.score(objective) if evaluation else None
-    if score is None or score <= 0 or high <= low:
-        return None if score is None else float(score >= high > 0)
+    if score <= 0 or high <= low:
+        return float(score >= high > 0)
     return math.log(score / low) / math.log(high / low)
 
 
@@ -132,7 +121,7 @@ def _legend(low: float, high: float, y: float, objective: str) -> str:
                 fill=_colours(i / (steps - 1))[0])
         for i in range(steps)
     ]  # fmt: skip
-    unit = EFFICIENCY_UNIT if objective == "efficiency" else "m"
+    unit = unit_of(objective)
     ends = text(number(low, 3), _LEFT, y + 22, klass="tick")
     ends += text(
         f"{number(high, 3)} {unit}", _LEFT + width, y + 22, text_anchor="end", klass="tick"

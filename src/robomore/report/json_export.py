@@ -1,80 +1,91 @@
-"""`robomore show --json`: a summary as plain data, for scripts to rely on."""
+"""`robomore show --json`: a run as plain data, for scripts to rely on (docs/runs.md)."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from robomore.report.finalists import Contestant
-from robomore.report.lineage import Step
-from robomore.report.metrics import Spread
-from robomore.report.summary import Summary
-from robomore.report.words import place_name
+from robomore.runs import Run, Spread, TrainedDesign
+from robomore.runs.lineage import Record
 
 
-def as_data(summary: Summary) -> dict[str, Any]:
-    """Return a summary as JSON data; units stand in docs/runs.md.
-
-    `champion` has `parameters` by name, `reward` as text, and the means `fitness` (m), `volume`
-    (m^3) and `efficiency` (m/m^3); `spread` holds what stands behind the means.
-    """
-    manifest = summary.manifest
+def as_data(run: Run) -> dict[str, Any]:
+    """Return a run as JSON data. Keys and units stand in docs/runs.md, "JSON of a run"."""
+    manifest, cost, spending = run.manifest, run.cost, run.spending
+    method = manifest.settings.method
     return {
-        "run": str(summary.folder),
+        "run": str(run.folder),
         "task": manifest.task,
         "preset": manifest.preset,
+        "method": {"name": method.name, "options": method.options},
         "designer": manifest.designer,
         "provenance": manifest.provenance,
         "seed": manifest.seed,
-        "objective": summary.objective,
-        "final": summary.final,
-        "champion": _contestant(summary.champion),
-        "human": _contestant(summary.human),
+        "objective": run.objective,
+        "plan": [
+            {
+                "name": stage.name,
+                "role": stage.role,
+                "axes": list(stage.axes),
+                "shape": list(stage.shape),
+                "evaluations": stage.evaluations,
+                "steps": stage.steps,
+            }
+            for stage in run.plan.stages
+        ],
+        "final": run.final,
+        "champion_role": run.champion_role,
+        "champion": _group(run.champion),
+        "found": _group(run.found),
+        "reference": _group(run.reference),
+        "morphology_only": _group(run.morphology_only),
+        "reward_only": _group(run.reward_only),
+        "verdict": run.pairs.verdict if run.pairs else "",
         "ratio": {
-            "efficiency": _spread(summary.efficiency_ratio),
-            "fitness": _spread(summary.fitness_ratio),
+            "efficiency": _spread(run.efficiency_ratio),
+            "fitness": _spread(run.fitness_ratio),
         },
-        "evaluations": {str(status): count for status, count in summary.counts.items()},
+        "evaluations": {str(status): count for status, count in run.counts.items()},
         "cost": {
-            "evaluations": summary.cost.evaluations,
-            "steps": summary.cost.steps,
-            "core_seconds": summary.cost.core_seconds,
-            "requests": summary.spending.requests,
-            "tokens": summary.spending.tokens,
-            "dollars": None if summary.spending.unpriced else summary.spending.cost,
+            "evaluations": cost.evaluations,
+            "steps": cost.steps,
+            "search_steps": run.search_steps,
+            "core_seconds": cost.core_seconds,
+            "requests": spending.requests,
+            "tokens": spending.tokens,
+            "dollars": None if spending.unpriced else spending.cost,
         },
-        "way": [_step(step) for step in summary.way],
+        "lineage": [_step(record, run) for record in run.lineage],
         "failures": [
             {
                 "status": str(failure.status),
                 "diagnosis": failure.diagnosis,
                 "count": len(failure.places),
-                "places": [place_name(place) for place in failure.places],
+                "places": [run.plan.describe(place) for place in failure.places],
             }
-            for failure in summary.failures
+            for failure in run.failures
         ],
-        "empty_slots": [{"slot": str(one.slot), "reason": one.reason} for one in summary.empty],
-        "cautions": list(summary.cautions),
+        "empty_slots": [{"slot": str(one.slot), "reason": one.reason} for one in run.empty],
+        "warnings": list(run.warnings),
+        "task_changes": list(run.task_changes),
         "versions": manifest.versions,
     }
 
 
-def _contestant(one: Contestant | None) -> dict[str, Any] | None:
+def _group(one: TrainedDesign | None) -> dict[str, Any] | None:
     if one is None:
         return None
+    design, job = one.design, one.evaluations[0].job
     return {
         "parameters": one.parameters,
-        "reward": one.design.reward.source,
-        "ideas": {
-            "morphology": one.design.morphology.idea,
-            "reward": one.design.reward.idea,
-        },
-        "fitness": one.fitness.mean if one.fitness else None,
+        "reward": design.reward.source,
+        "ideas": {"morphology": design.morphology.idea, "reward": design.reward.idea},
+        "fitness": _spread(one.fitness),
         "volume": one.volume,
-        "efficiency": one.efficiency.mean if one.efficiency else None,
-        "spread": {"fitness": _spread(one.fitness), "efficiency": _spread(one.efficiency)},
-        "seeds": [evaluation.job.seed for evaluation in one.evaluations],
-        "steps": one.evaluations[0].job.steps,
-        "episodes": one.evaluations[0].job.episodes,
+        "efficiency": _spread(one.efficiency),
+        "body": one.body,
+        "behaviour": one.behaviour,
+        "steps": job.steps,
+        "episodes": job.episodes,
         "evaluations": [
             {
                 "key": evaluation.key,
@@ -86,7 +97,6 @@ def _contestant(one: Contestant | None) -> dict[str, Any] | None:
             }
             for evaluation in one.evaluations
         ],
-        "body": one.body,
     }
 
 
@@ -95,22 +105,21 @@ def _spread(measured: Spread | None) -> dict[str, Any] | None:
         return None
     return {
         "mean": measured.mean,
-        "std": measured.std,
         "interval": list(measured.interval) if measured.interval else None,
         "values": list(measured.values),
     }
 
 
-def _step(step: Step) -> dict[str, Any]:
+def _step(record: Record, run: Run) -> dict[str, Any]:
+    place, evaluation = record.place, record.evaluation
     return {
-        "stage": step.place.stage,
-        "place": place_name(step.place),
-        "changed": step.changed,
-        "branch": step.place.branch,
-        "cycle": step.place.cycle,
-        "efficiency": step.efficiency.mean,
-        "fitness": step.fitness.mean,
-        "volume": step.evaluation.volume,
-        "key": step.evaluation.key,
-        "leads_to_champion": step.leads,
+        "place": run.plan.describe(place),
+        "stage": place.stage,
+        "index": list(place.index),
+        "changed": place.changed,
+        "key": evaluation.key,
+        "parent": place.parent,
+        "fitness": evaluation.fitness,
+        "volume": evaluation.volume,
+        "efficiency": evaluation.efficiency,
     }

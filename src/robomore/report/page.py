@@ -11,33 +11,35 @@ from markupsafe import Markup
 from robomore.errors import InputError, InvalidMorphology
 from robomore.report.command import command_line
 from robomore.report.comparison_plot import parameter_rows, seed_dots
-from robomore.report.finalists import Contestant
 from robomore.report.heatmap import heatmap
-from robomore.report.plots import best_so_far, fitness_over_volume
+from robomore.report.learning import learning_curves
+from robomore.report.plots import best_so_far, fitness_over_volume, stage_classes
 from robomore.report.source import highlighted
-from robomore.report.summary import Summary, summarise
-from robomore.report.words import EFFICIENCY_UNIT, duration, number, place_name, short, with_spread
+from robomore.runs import Run, load_run
+from robomore.runs.grid import grids
+from robomore.runs.pairs import LABELS
+from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
 from robomore.store import RunFolder
 
 _PICTURE = (460, 340)
 
 
-def write_report(run: Path, out: Path | None = None) -> Path:
+def write_report(run: Run | Path, out: Path | None = None) -> Path:
     """Write the page of a run; returns its path.
 
     Args:
-        run: a run folder.
+        run: a run, or its folder.
         out: the file; `report.html` in the folder by default.
 
     Raises:
         RunFolderError: `run` is no run folder.
         InputError: the file cannot be written.
     """
-    summary = summarise(run)
-    path = out or RunFolder(run).report
+    run = run if isinstance(run, Run) else load_run(run)
+    path = out or RunFolder(run.folder).report
     partial = path.with_name(path.name + ".partial")
     try:
-        partial.write_text(render(summary), encoding="utf-8")
+        partial.write_text(render(run), encoding="utf-8")
         partial.replace(path)
     except OSError as error:
         raise InputError(
@@ -46,7 +48,7 @@ def write_report(run: Path, out: Path | None = None) -> Path:
     return path
 
 
-def render(summary: Summary) -> str:
+def render(run: Run) -> str:
     """Return the page of a run as HTML text."""
     environment = Environment(
         loader=PackageLoader("robomore.report"),
@@ -59,48 +61,50 @@ def render(summary: Summary) -> str:
         "number": number,
         "short": short,
         "duration": duration,
-        "place": place_name,
-        "with_spread": with_spread,
+        "label": label,
+        "measured": measured,
+        "place": run.plan.describe,
+        "with_interval": with_interval,
         "highlighted": lambda source: Markup(highlighted(source)),
+        "markup": Markup,
     }
-    figures = {
-        "heatmap": heatmap(summary),
-        "best_so_far": best_so_far(summary),
-        "fitness_over_volume": fitness_over_volume(summary),
-        "efficiency_dots": seed_dots(summary, "efficiency"),
-        "fitness_dots": seed_dots(summary, "fitness"),
-    }
+    found = grids(run)
+    # A search that was measured under its own names: dots of these stages are told apart.
+    searched = {record.place.stage for record in (*run.searched, *run.cut)}
     return environment.get_template("report.html").render(
-        summary=summary,
-        manifest=summary.manifest,
-        task=summary.task,
-        champion=summary.champion,
-        human=summary.human,
-        figures={name: Markup(drawn) for name, drawn in figures.items()},
-        bodies=_bodies(summary),
-        parameters=parameter_rows(summary),
-        command=command_line(summary.manifest),
-        unit=EFFICIENCY_UNIT,
+        run=run,
+        manifest=run.manifest,
+        task=run.task,
+        champion=run.champion,
+        reference=run.reference,
+        roles=LABELS,
+        unit=unit_of(run.objective),
+        grids=[(grid.stage.name, heatmap(grid, run.objective)) for grid in found],
+        stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
+        best_so_far=best_so_far(run),
+        fitness_over_volume=fitness_over_volume(run),
+        dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
+        curves=learning_curves(run),
+        bodies=_bodies(run),
+        parameters=parameter_rows(run),
+        command=command_line(run.manifest),
     )
 
 
-def _bodies(summary: Summary) -> dict[str, Markup]:
-    """Return the drawn champion and human body, at one scale."""
+def _bodies(run: Run) -> dict[str, Markup]:
+    """Return the drawn champion and reference morphology, at one scale."""
     # Drawing needs the simulator; reading a run without drawing it does not.
     from robomore.rendering.drawing import draw
     from robomore.rendering.pictures import frame_around, svg
 
-    shown: dict[str, Contestant | None] = {"champion": summary.champion, "human": summary.human}
-    parameters = {
-        "champion": shown["champion"].parameters if shown["champion"] else None,
-        "human": dict(zip(summary.task.names, summary.task.reference, strict=True)),
-    }
+    parameters = {"reference": dict(zip(run.task.names, run.task.reference, strict=True))}
+    if run.champion:
+        parameters["champion"] = run.champion.parameters
     scenes = {}
     for name, values in parameters.items():
-        # What another version of the task trained may be refused by this one.
+        # What an edited task trained may be refused by the task of today.
         with suppress(InvalidMorphology):
-            if values:
-                scenes[name] = draw(summary.task, values)
+            scenes[name] = draw(run.task, values)
     return {
         name: Markup(svg(scene, frame_around(scene, *_PICTURE, alike=[*scenes.values()]), name))
         for name, scene in scenes.items()

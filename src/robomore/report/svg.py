@@ -108,6 +108,34 @@ def axis_around(values: Sequence[float], start: float, end: float, log: bool = F
     return Axis(low - air, high + air, start, end)
 
 
+def axes(x: Axis, y: Axis, x_name: str, y_name: str) -> str:
+    """Return grid lines, ticks and names of two axes; `y_name` stands above its axis."""
+    parts = []
+    for value in x.ticks():
+        at = x.at(value)
+        parts.append(
+            element("line", x1=at, x2=at, y1=y.start, y2=y.end, klass="grid")
+            + text(_tick(value), at, y.start + 16, text_anchor="middle", klass="tick")
+        )
+    for value in y.ticks():
+        at = y.at(value)
+        parts.append(
+            element("line", x1=x.start, x2=x.end, y1=at, y2=at, klass="grid")
+            + text(_tick(value), x.start - 6, at + 4, text_anchor="end", klass="tick")
+        )
+    parts.append(text(x_name, (x.start + x.end) / 2, y.start + 34, text_anchor="middle"))
+    parts.append(text(y_name, 4, y.end - 8))
+    return "".join(parts)
+
+
+def _tick(value: float) -> str:
+    """Return a round number that is short whatever its size: `250k`, `1.5M`."""
+    for least, unit, letter in ((1e9, 1e9, "G"), (1e6, 1e6, "M"), (1e4, 1e3, "k")):
+        if abs(value) >= least:
+            return f"{value / unit:.6g}{letter}"
+    return f"{value:,.6g}"
+
+
 def _value(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else escape(str(value), quote=True)
 

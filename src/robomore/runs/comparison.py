@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from robomore.runs.run import Run, load_run
+from robomore.runs.loading import load_run
+from robomore.runs.run import Run
 from robomore.runs.statistics import Spread
 from robomore.runs.table import Row, dataframe
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from robomore.designers.recorded import ATTEMPTS
-from robomore.plan import Plan
+from robomore.plan import Plan, Stage
 from robomore.store.ledger import Proposal
 from robomore.types import Slot
 
@@ -38,16 +38,19 @@ def empty_slots(proposals: Iterable[Proposal], plan: Plan) -> tuple[EmptySlot, .
     return tuple(sorted(found, key=rank))
 
 
-def lines_without(empty: Sequence[EmptySlot], axis: str, stage: str) -> dict[int, str]:
+def lines_without(empty: Sequence[EmptySlot], axis: str, stage: Stage) -> dict[int, str]:
     """Return why rows or columns of a grid are missing, by their number.
 
     Args:
         empty: slots that nobody could fill.
         axis: `morphology` or `reward`.
-        stage: name of the grid's stage.
+        stage: that is a grid.
     """
+    asked = sum(n for action, kind, n in stage.proposals if (action, kind) == ("propose", axis))
+    # What nobody has to propose, such as the reference reward, comes first.
+    first = stage.shape[stage.axes.index(axis)] - asked if asked and stage.shape else 0
     return {
-        one.slot.index[0]: f"no {axis} was proposed: {one.reason}"
+        first + one.slot.index[0]: f"no {axis} was proposed: {one.reason}"
         for one in empty
-        if one.slot.stage == stage and one.slot.kind == axis and not one.slot.improves
+        if one.slot.stage == stage.name and one.slot.kind == axis and not one.slot.improves
     }

@@ -31,6 +31,12 @@ def best_of(evaluations: Iterable[Evaluation], objective: str) -> Evaluation | N
     return best[1] if best else None
 
 
+def same_training(evaluation: Evaluation) -> object:
+    """Return what evaluations share that are one training, stopped and continued."""
+    design = evaluation.design
+    return design.morphology.parameters, design.reward.source, evaluation.job.seed
+
+
 def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
     """Return the way to one evaluation: from a first idea over each improvement to itself.
 

@@ -17,7 +17,7 @@ from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
 
-ROLES = ("champion", "found", "reference", "morphology_only", "reward_only")
+ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
 """Groups of the final, as a run's last event names them."""
 
 
@@ -48,19 +48,14 @@ def load_run(folder: str | Path) -> Run:
         sorted((Record(*pair) for pair in placed), key=lambda record: plan.position(record.place))
     )
     groups = _groups(task, records, ends[-1].body if ends else {})
-    champion, role = groups.get("champion"), ""
-    if champion is not None:
-        # Of equals the first: it is the champion's own group.
-        role = next(
-            name for name in ROLES[1:] if name in groups and groups[name].design == champion.design
-        )
+    champion = groups.get("champion")
     run = Run(
         folder=path,
         manifest=manifest,
         task=task,
         final=champion is not None,
         champion=champion,
-        champion_role=role,
+        champion_role=_role(groups),
         found=groups.get("found"),
         reference=groups.get("reference"),
         morphology_only=groups.get("morphology_only"),
@@ -89,6 +84,12 @@ def _groups(
             return {}
         found[role] = trained_design(role, task, [by_key[key] for key in keys])
     return found
+
+
+def _role(groups: dict[str, TrainedDesign]) -> str:
+    """Return which group the champion is; of groups that share their evaluations the first."""
+    keys = {name: [e.key for e in group.evaluations] for name, group in groups.items()}
+    return next((name for name in ROLES[1:] if name in keys and keys[name] == keys["champion"]), "")
 
 
 def _changes(then: dict[str, str], now: dict[str, str]) -> tuple[str, ...]:

@@ -14,7 +14,8 @@ from robomore.errors import InputError
 from robomore.llm import Spending
 from robomore.plan import Plan
 from robomore.runs.empty import EmptySlot
-from robomore.runs.lineage import Record, ancestry, best_of
+from robomore.runs.lineage import Record, ancestry, best_of, same_training
+from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.statistics import Spread, ratio
 from robomore.runs.table import Row, dataframe, rows
 from robomore.runs.trained import TrainedDesign
@@ -129,10 +130,16 @@ class Run:
 
     @property
     def headline(self) -> Spread | None:
-        """The ratio, if the final has seeds enough to be put into a headline."""
-        if not self.final or self.manifest.settings.final.seeds < FEWEST_FOR_HEADLINE:
+        """The ratio, if something was found and has seeds enough to be put into a headline."""
+        if not self.final or self.champion_role == "reference":
             return None
-        return self.ratio
+        enough = self.manifest.settings.final.seeds >= FEWEST_FOR_HEADLINE
+        return self.ratio if enough else None
+
+    @cached_property
+    def pairs(self) -> Pairs | None:
+        """The pairs of the final side by side; `None` before it, or if there is one pair only."""
+        return crossed_pairs(self)
 
     @cached_property
     def evaluations(self) -> tuple[Evaluation, ...]:
@@ -297,9 +304,7 @@ class Run:
     def _champion_seed(self) -> Evaluation:
         if self.champion is None or not self.champion.trained:
             raise InputError(f"{self.folder} has nothing trained yet; wait, or run it on")
-        best = best_of(self.champion.trained, self.objective)
-        assert best is not None
-        return best
+        return self.champion.best(self.objective)
 
     def _role(self, record: Record) -> str:
         return self.plan.stage(record.place.stage).role
@@ -315,9 +320,8 @@ def _ratio(
 
 def _steps(evaluations: Iterable[Evaluation]) -> int:
     # A training that went on from rung to rung has an evaluation for each, of the same steps.
-    longest: dict[tuple[object, ...], int] = {}
+    longest: dict[object, int] = {}
     for evaluation in evaluations:
-        design = evaluation.design
-        training = (design.morphology.parameters, design.reward.source, evaluation.job.seed)
+        training = same_training(evaluation)
         longest[training] = max(evaluation.steps, longest.get(training, 0))
     return sum(longest.values())

@@ -49,6 +49,10 @@ class TrainedDesign:
             for name in names
         }
 
+    def best(self, objective: str) -> Evaluation:
+        """Return the evaluation of the best training seed; there has to be one that trained."""
+        return max(self.trained, key=lambda evaluation: evaluation.score(objective) or 0.0)
+
     def score(self, objective: str) -> Spread | None:
         """Return efficiency or fitness, whichever is compared."""
         return self.efficiency if objective == "efficiency" else self.fitness

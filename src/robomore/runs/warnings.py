@@ -44,7 +44,8 @@ def warnings_about(run: Run) -> tuple[str, ...]:
     said += _about_slots(run)
     if run.final:
         said += _about_seeds(run)
-        said += _about_the_pair(run)
+        if run.pairs is not None and run.pairs.doubt:
+            said.append(run.pairs.verdict)
         said += _about_training_anew(run)
         said += _about_fitness(run)
     said += _about_matter(champion)
@@ -82,34 +83,6 @@ def _about_seeds(run: Run) -> list[str]:
             f"{FEWEST} there is no interval, and a difference may be luck."
         )
     return said
-
-
-def _about_the_pair(run: Run) -> list[str]:
-    """Say which half of the pair made the difference, and which did not."""
-    if run.champion_role == "reference":
-        return ["Nothing that was found beats the reference design at this budget."]
-    if run.champion_role == "morphology_only":
-        return [
-            "The champion is trained under the reference reward: the reward that was found does "
-            "worse on the same morphology."
-        ]
-    if run.champion_role == "reward_only":
-        return [
-            "The champion has the reference morphology: the morphology that was found does worse "
-            "under the same reward."
-        ]
-    found, plain = run.found, run.morphology_only
-    if found is None or plain is None or found.design == plain.design:
-        return []
-    mine, theirs = found.score(run.objective), plain.score(run.objective)
-    if mine is None or theirs is None or min(mine.values) > max(theirs.values):
-        return []
-    unit = unit_of(run.objective)
-    return [
-        "No difference can be told between the found reward and the reference reward on the "
-        f"found morphology ({number(mine.mean)} against {number(theirs.mean)} {unit}, and their "
-        "seeds overlap): the morphology made the difference."
-    ]
 
 
 def _about_training_anew(run: Run) -> list[str]:

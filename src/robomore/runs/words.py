@@ -56,3 +56,46 @@ def duration(seconds: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60:02d} s"
     return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
+
+
+LABELS = {
+    "efficiency": "efficiency (m/m³)",
+    "fitness": "fitness (m)",
+    "volume": "volume (m³)",
+    "mass": "mass (kg)",
+    "density": "mass divided by volume (kg/m³)",
+    "rest_height": "height of the torso at rest (m)",
+    "forward_distance_m": "forward distance (m)",
+    "forward_speed_m_s": "forward speed (m/s)",
+    "highest_torso_m": "highest point of the torso (m)",
+    "height_gain_m": "height gained over the start (m)",
+    "lowest_torso_m": "lowest point of the torso (m)",
+    "episode_seconds": "length of an episode (s)",
+    "fell_share": "episodes that ended in a fall",
+    "mean_effort": "mean size of an action (at most 1)",
+    "mean_jerk": "mean change of an action per step (at most 2)",
+}
+"""What numbers are called before people, by the names that they have in evaluations."""
+
+_SHARES = frozenset({"fell_share"})
+_UNITS = {"_m_s": "m/s", "_m": "m", "_seconds": "s", "_kg": "kg"}
+
+
+def label(name: str) -> str:
+    """Return what a number is called before people, its unit in brackets.
+
+    A name that is not in the table is put into words: `step_length_m` is `step length (m)`.
+    """
+    if name in LABELS:
+        return LABELS[name]
+    for ending, unit in _UNITS.items():
+        if name.endswith(ending):
+            return f"{name.removesuffix(ending).replace('_', ' ')} ({unit})"
+    return name.replace("_", " ")
+
+
+def measured(name: str, value: float | None) -> str:
+    """Return the value of a number of that name, in the unit of its label."""
+    if name in _SHARES and value is not None:
+        return f"{number(100 * value, 3)} %"
+    return number(value)

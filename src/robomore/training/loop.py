@@ -129,15 +129,16 @@ class Run:
         self.settings: LoopSettings = settings
         self.environment = environment
         self.random = np.random.default_rng(seed)
-        self.replay = Replay(settings.buffer_size, *sizes, environment.n)
+        self.replay = Replay(settings.buffer_size, *sizes, environment.num_envs)
         self.learner, self.layers = learning.begin(self.random, *sizes)
         self.average = self.layers
         self.snapshots: list[Layers] = []
         share = settings.deterministic_env_fraction
         self.quiet = int(
-            (environment.deterministic_env_fraction if share is None else share) * environment.n
+            (environment.deterministic_env_fraction if share is None else share)
+            * environment.num_envs
         )
-        self.observation = np.zeros((environment.n, sizes[0]))
+        self.observation = np.zeros((environment.num_envs, sizes[0]))
         self.rounds = 0
         self.updates = 0
         # A checkpoint is of this training if these agree; JSON, so that they compare as stored.
@@ -145,7 +146,7 @@ class Run:
             type(learning).__name__,
             dataclasses.asdict(settings),
             seed,
-            environment.n,
+            environment.num_envs,
             sizes,
             self.discount,
             self.quiet,
@@ -166,7 +167,7 @@ class Run:
     def advance(self) -> None:
         """Act for one round, then learn from what is remembered."""
         before = self.steps
-        for _ in range(self.settings.train_freq // self.environment.n):
+        for _ in range(self.settings.train_freq // self.environment.num_envs):
             self._act()
         self.rounds += 1
         if self.steps >= self.settings.learning_starts:
@@ -176,7 +177,7 @@ class Run:
                 self.snapshots = [*self.snapshots, self.average][-others:] if others else []
 
     def _act(self) -> None:
-        shape = self.environment.n, self.environment.action_size
+        shape = self.environment.num_envs, self.environment.action_size
         if self.updates:
             noise = self.random.standard_normal(shape, np.float32)
             noise[: self.quiet] = 0

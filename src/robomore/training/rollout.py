@@ -78,8 +78,8 @@ def rollout(policy: MLPPolicy, stage: Stage, seeds: Sequence[int]) -> Rollout:
             running[i] = _Episode(number, start=x, rest_height=height)
         return first
 
-    observation = np.array([begin(i) for i in range(stage.n)])
-    before = np.zeros((stage.n, 1), np.float32)
+    observation = np.array([begin(i) for i in range(stage.num_envs)])
+    before = np.zeros((stage.num_envs, 1), np.float32)
     while running:
         actions = policy.act(observation)
         effort = np.abs(actions).mean(axis=1)

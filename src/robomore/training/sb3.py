@@ -86,12 +86,12 @@ class _Run:
             LibraryEnvironment(environment, seed),
             learning_rate=settings.rate,
             # A memory that is never filled is the same at any size.
-            buffer_size=min(settings.buffer_size, steps + environment.n),
+            buffer_size=min(settings.buffer_size, steps + environment.num_envs),
             learning_starts=settings.learning_starts,
             batch_size=settings.batch_size,
             tau=settings.tau,
             gamma=discount,
-            train_freq=(settings.train_freq // environment.n, "step"),
+            train_freq=(settings.train_freq // environment.num_envs, "step"),
             gradient_steps=settings.gradient_steps,
             ent_coef=f"auto_{settings.init_alpha}",
             target_entropy="auto" if settings.target_entropy is None else settings.target_entropy,
@@ -105,7 +105,7 @@ class _Run:
             type(self).__module__,
             dataclasses.asdict(settings),
             seed,
-            environment.n,
+            environment.num_envs,
             [environment.observation_size, environment.action_size],
             discount,
         ]
@@ -211,7 +211,7 @@ class _Run:
         memory.pos = facts["memory_position"]
         model.num_timesteps, model._n_updates = facts["steps"], facts["updates"]
         model._last_obs = arrays["observation"]
-        model._last_episode_starts = np.zeros(self.environment.n, np.bool_)
+        model._last_episode_starts = np.zeros(self.environment.num_envs, np.bool_)
         self.environment.restore(found.environment)
         kind, *place = facts["random_numpy"]
         np.random.set_state((kind, arrays["random numpy"], *place))  # noqa: NPY002
@@ -239,7 +239,7 @@ class LibraryEnvironment(VecEnv):  # type: ignore[misc]  # its package is not th
         self._first_seed = seed
         sizes = environment.observation_size, environment.action_size
         super().__init__(
-            environment.n,
+            environment.num_envs,
             Box(-np.inf, np.inf, (sizes[0],), np.float32),
             Box(-1.0, 1.0, (sizes[1],), np.float32),
         )

@@ -23,7 +23,7 @@ PROGRESS_SECONDS = 0.3
 class VectorEnvProtocol(Protocol):
     """`n` simulations of one body under one reward, stepped together."""
 
-    n: int
+    num_envs: int
     observation_size: int
     action_size: int
     discount: float
@@ -105,9 +105,9 @@ def whole_rounds(settings: Any, environment: VectorEnvProtocol, steps: int) -> i
         InputError: fewer steps than one round, or a round that the simulations do not divide.
     """
     rounds: int = steps // settings.train_freq
-    if rounds < 1 or settings.train_freq % environment.n:
+    if rounds < 1 or settings.train_freq % environment.num_envs:
         raise InputError(
-            f"{steps} steps with {environment.n} simulations: a round is "
+            f"{steps} steps with {environment.num_envs} simulations: a round is "
             f"{settings.train_freq} steps, at least one is needed, and the number of "
             "simulations has to divide it"
         )
