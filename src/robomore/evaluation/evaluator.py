@@ -22,6 +22,7 @@ from robomore.store.rundir import RunFolder
 from robomore.tasks.fingerprint import task_key
 from robomore.tasks.task import Task
 from robomore.training.policy import POLICY, MLPPolicy
+from robomore.training.tuned import resolve
 from robomore.types import (
     Design,
     Evaluation,
@@ -50,7 +51,7 @@ class Evaluator:
 
     Attributes:
         task: what designs are measured in.
-        trainer: how policies are trained, but for what the task tunes.
+        trainer: how policies are trained, but for what is tuned to the robot.
         seed: of the run; with design and repeat it decides each training's seed.
         versions: part of every evaluation's key.
         ledger: what is known, and where new results go.
@@ -242,14 +243,14 @@ def make_job(
     Args:
         task: what the design is measured in.
         design: what is trained.
-        trainer: how, but for what is tuned to the task.
+        trainer: how, but for what is tuned to the robot.
         budget: of this evaluation.
         seed: of training and measuring.
     """
     return Job(
         task=task.id,
         design=design,
-        trainer=trainer,
+        trainer=resolve(trainer, task),
         steps=budget.steps,
         episodes=budget.episodes,
         seed=seed,
