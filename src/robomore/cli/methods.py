@@ -24,7 +24,7 @@ def methods(*, as_json: Annotated[bool, Parameter("--json", negative="")] = Fals
     """
     from robomore.search import METHODS
 
-    found = [
+    found: list[dict[str, Any]] = [
         {
             "name": name,
             "summary": method.summary,

@@ -48,7 +48,13 @@ def compare(
         _print(comparison.runs)
 
 
-def export(run: Path, /, *, csv: Path | None = None, parquet: Path | None = None) -> None:
+def export(
+    run: Path,
+    /,
+    *,
+    csv: Annotated[Path | None, Parameter(allow_leading_hyphen=True)] = None,
+    parquet: Path | None = None,
+) -> None:
     """Write every evaluation of a run as one table.
 
     Parameters
