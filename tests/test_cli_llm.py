@@ -388,7 +388,7 @@ def test_a_model_is_told_whose_training_was_cut_short(robomore_: Command, tmp_pa
     sent = script.seen[-1]["messages"]
     assert "after only 410 of 2,048 training steps" in sent[1]["content"]
     assert "Full training takes 2,048 steps" in sent[1]["content"]
-    assert sent[1]["content"].count("## Body") == 2
+    assert sent[1]["content"].count("## Morphology") == 2
     # Screening compares bodies under the reference reward, which is nobody's business.
     assert get_task("swimmer").reward.split("\n")[2] not in sent[1]["content"]
     _, said, _ = robomore_("prompt", "swimmer", "improve-morphology", "--from", out, "--json")
@@ -410,7 +410,7 @@ def test_the_check_tells_whether_a_model_can_design(robomore_: Command) -> None:
     with serve(("say", "ready"), ("say", '{"length": 2}')) as (url, script):
         status, out, _ = robomore_("llm", "check", "--base-url", url, "--model", "toy")
     assert status == 0 and len(script.seen) == 2
-    assert "answers: ready" in out and "keeps a JSON schema" in out and "240 tokens" in out
+    assert "answers: ready" in out and "keeps to a JSON schema" in out and "240 tokens" in out
     with serve("broken") as (url, script):
         status, _, err = robomore_("llm", "check", "--base-url", url, "--model", "toy")
     assert status == 1 and len(script.seen) == 2 and err.count("\n") == 1

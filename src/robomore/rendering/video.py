@@ -72,37 +72,34 @@ def write_video(
         recordings: at least one, all of one task.
         path: decides the format by its suffix.
         seconds: length at most.
-        drawn: without OpenGL in any case.
+        drawn: without OpenGL in any case; several episodes always are.
     """
     dt = recordings[0].dt
     stride = max(1, round(1 / (_FRAMES_PER_SECOND * dt)))
     length = min(max(len(one.poses) for one in recordings), int(seconds / dt) + 1)
     shown = [_held(one.poses, length)[::stride] for one in recordings]
+    rate = 1 / (dt * stride)
     with TemporaryDirectory(prefix="robomore-") as scratch:
-        rows = None
-        if not drawn:
-            rows = [_rendered(*pair, Path(scratch)) for pair in zip(recordings, shown, strict=True)]
-        if rows is None or any(row is None for row in rows):
-            width = max(_width(one) for one in recordings)
-            columns = [
-                draw_frames(one, poses, stride, width)
-                for one, poses in zip(recordings, shown, strict=True)
-            ]
-        else:
-            columns = [_images(row) for row in rows if row is not None]
-        frames = (_stacked(pictures) for pictures in zip(*columns, strict=True))
-        _encode(frames, path, 1 / (dt * stride), HEIGHT * len(recordings))
+        rendered = None
+        if len(recordings) == 1 and not drawn:
+            rendered = _rendered(recordings[0], shown[0], Path(scratch))
+        if rendered is not None:
+            from PIL.Image import fromarray
+
+            _encode((fromarray(np.asarray(frame)) for frame in rendered), path, rate, HEIGHT)
+            return
+    # Side by side at one scale, so that a small robot is seen to be small.
+    width = max(_width(one) for one in recordings)
+    columns = [
+        draw_frames(one, poses, stride, width) for one, poses in zip(recordings, shown, strict=True)
+    ]
+    frames = (_stacked(pictures) for pictures in zip(*columns, strict=True))
+    _encode(frames, path, rate, HEIGHT * len(recordings))
 
 
 def _held(poses: NDArray[np.float64], length: int) -> NDArray[np.float64]:
     """Return so many poses; after the last one the robot stays where it is."""
     return poses[np.minimum(np.arange(length), len(poses) - 1)]
-
-
-def _images(frames: NDArray[np.uint8]) -> Iterator[Image]:
-    from PIL.Image import fromarray
-
-    return (fromarray(np.asarray(frame)) for frame in frames)
 
 
 def _stacked(pictures: Sequence[Image]) -> Image:
