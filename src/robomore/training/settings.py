@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import math
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from importlib.metadata import entry_points
 from typing import Annotated, Any
 
 import msgspec
 
 from robomore.errors import InputError
+from robomore.settings import from_options
 from robomore.training.trainer import Trainer
 from robomore.types import TrainerSettings
 
@@ -171,19 +171,7 @@ def settings_from(trainer: TrainerSettings) -> Any:
         InputError: unknown algorithm or option, or a value of the wrong kind or out of range.
     """
     cls = _algorithm(trainer.name).settings
-    known = [field.name for field in fields(cls)]
-    if unknown := sorted(set(trainer.options) - set(known)):
-        raise InputError(
-            f"trainer {trainer.name} has no option {', '.join(map(repr, unknown))}; "
-            f"it takes {', '.join(known)}"
-        )
-    for name, value in trainer.options.items():
-        if isinstance(value, float) and not math.isfinite(value):
-            raise InputError(f"trainer {trainer.name}: {name} = {value} is not a finite number")
-    try:
-        return msgspec.convert({**asdict(cls()), **trainer.options}, cls)
-    except msgspec.ValidationError as error:
-        raise InputError(f"trainer {trainer.name}: {error}") from None
+    return from_options(cls, trainer.options, f"trainer {trainer.name}")
 
 
 def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
