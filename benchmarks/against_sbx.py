@@ -80,7 +80,7 @@ def sbx_curve(robot: str, seed: int, steps: int) -> list[float]:
         learning_starts=5_000,
         batch_size=128,
         buffer_size=1_000_000,
-        train_freq=(128 // environment.n, "step"),
+        train_freq=(128 // environment.num_envs, "step"),
         gradient_steps=16,
         policy_kwargs={"net_arch": [128, 128]},
         seed=seed,

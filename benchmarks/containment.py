@@ -26,8 +26,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 
-from robomore.sandbox import heartbeat as pulse
-from robomore.sandbox.contain import Contained, child_environment, run_contained
+from robomore.sandbox import heartbeat
+from robomore.sandbox.call import SandboxResult, process_environment, run_sandboxed
 from robomore.types import Limits, Status
 
 WATCHED_SECONDS = 4.0
@@ -59,7 +59,7 @@ def parts() -> Parts:
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder)
         bare = [sys.executable, "-P", "-s", "-c", "import json, numpy"]
-        environment = child_environment(scratch)
+        environment = process_environment(scratch)
         plain = [
             _cost(lambda: subprocess.run(bare, check=True, env=environment))[0] for _ in range(20)
         ]
@@ -75,9 +75,9 @@ def parts() -> Parts:
     def reward(simulation: object, x_velocity: object, action: object) -> tuple[float, dict]:
         return 0.0, {}
 
-    with pulse.page() as page:
-        pulse.attach(page)
-        counted = pulse.watch(reward)
+    with heartbeat.page() as page:
+        heartbeat.attach(page)
+        counted = heartbeat.watch(reward)
     calls = 200_000
     times = [
         min(timeit.repeat(lambda f=f: f(None, 0.0, None), number=calls, repeat=7))
@@ -95,7 +95,7 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
     from robomore.envs.vector_env import VectorEnv
     from robomore.evaluation.compiled import compiled_trainer
     from robomore.evaluation.request import Request
-    from robomore.sandbox.contain import Containment
+    from robomore.sandbox.call import Containment
     from robomore.settings import preset
     from robomore.tasks import get_task
     from robomore.training.compilation import CACHE_VARIABLE
@@ -123,7 +123,7 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
 
         def contained() -> float:
             readable = [compiled] if compiled else []
-            ended = run_contained(
+            ended = run_sandboxed(
                 "robomore.evaluation.train:train",
                 payload,
                 scratch / "contained",
@@ -139,7 +139,7 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
                 [sys.executable, "-P", "-s", "-c", _PLAIN, str(scratch / "plain")],
                 stdin=subprocess.PIPE,
                 cwd=scratch / "plain",
-                env=child_environment(scratch) | extra,
+                env=process_environment(scratch) | extra,
             )
             assert child.stdin is not None
             child.stdin.write(payload)
@@ -217,13 +217,13 @@ os._exit(0)  # as the contained child does, which spares both what libraries tid
 
 def _checked(function: str, payload: bytes, scratch: Path) -> None:
     _answered(
-        run_contained(
+        run_sandboxed(
             f"containment:{function}", payload, scratch, Limits(), readable=[Path(__file__).parent]
         )
     )
 
 
-def _answered(contained: Contained) -> None:
+def _answered(contained: SandboxResult) -> None:
     if contained.status is not Status.OK:
         sys.exit(contained.diagnosis)
 

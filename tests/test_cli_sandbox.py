@@ -10,8 +10,8 @@ import pytest
 from robomore.cli.app import main
 from robomore.experiment import _containment
 from robomore.sandbox import layers
-from robomore.sandbox.contain import Containment
-from robomore.sandbox.lock import REQUIRED, Layer
+from robomore.sandbox.call import Containment
+from robomore.sandbox.restrictions import REQUIRED, Layer
 
 
 def test_doctor_names_every_layer(capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,24 +18,24 @@ from typing import Any
 
 import pytest
 
-import robomore.experiment
+import untrained  # noqa: F401  # known as an executor once it is imported
 from llm.loopback import KEY, Script, serve
 from robomore.designers import LanguageModel, Replay
 from robomore.designers.llm.designer import LLMSettings
 from robomore.designers.llm.history import HistorySettings
 from robomore.errors import BudgetExhausted, InputError, ModelUnavailable, RunFolderError
-from robomore.executors import Done, Processes
+from robomore.executors import Done
+from robomore.executors.processes import Processes
 from robomore.experiment import run
 from robomore.llm import Exchange, ModelBudget, Sampling, Spending, connect
 from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import RetryPolicy
-from robomore.report.summary import summarise
 from robomore.rewards.dry_run import DryRun
-from robomore.settings import RunSettings
+from robomore.runs import load_run
+from robomore.settings import RunSettings, with_method
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import get_task
 from test_run import TINY, numbers
-from untrained import Untrained
 
 pytest.importorskip("pydantic_ai")
 
@@ -73,19 +73,22 @@ CONVERSATION: list[str | tuple[str, str]] = [
 """What the server says to a run of `TINY` with one repair, in order."""
 
 
-ONCE = RetryPolicy(tries=1)
+ONCE = RetryPolicy(max_tries=1)
 
 
 def talk(
     out: Path,
     url: str,
-    patience: RetryPolicy = ONCE,
+    retry_policy: RetryPolicy = ONCE,
     settings: RunSettings = TINY,
+    executor: str = "untrained",
     **options: object,
 ) -> Path:
-    model = connect("toy", base_url=url, patience=patience)
+    model = connect("toy", base_url=url, retry_policy=retry_policy)
     chosen = LanguageModel(model, SETTINGS, server=url, **options)  # type: ignore[arg-type]
-    return run("swimmer", settings, chosen, seed=1, workers=2, out=out).folder
+    return run(
+        "swimmer", settings, designer=chosen, seed=1, executor=executor, workers=2, out=out
+    ).folder
 
 
 @pytest.fixture(autouse=True)
@@ -93,18 +96,11 @@ def key(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(COMPATIBLE_KEY, KEY)
 
 
-@pytest.fixture
-def untrained(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Evaluations that cost nothing, for tests of what is proposed."""
-    monkeypatch.setattr(robomore.experiment, "Processes", Untrained)
-
-
 @pytest.fixture(scope="module")
 def spoken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Script]:
     """A finished run about evaluations that cost nothing; the server is gone."""
     with pytest.MonkeyPatch.context() as patch, serve(*CONVERSATION) as (url, script):
         patch.setenv(COMPATIBLE_KEY, KEY)
-        patch.setattr(robomore.experiment, "Processes", Untrained)
         return talk(tmp_path_factory.mktemp("llm") / "spoken", url), script
 
 
@@ -123,25 +119,26 @@ def test_bad_answers_are_repaired_or_replaced_and_a_champion_comes_out(
 ) -> None:
     folder, script = spoken
     assert (folder / "champion" / "design.json").is_file()
-    assert summarise(folder).final
+    assert load_run(folder).final
     kept = exchanges(folder)
     assert len(script.seen) == len(kept) == len(CONVERSATION) - 1
-    assert [(one.slot.kind, one.slot.index, one.slot.attempt, one.repair) for one in kept] == [
-        ("morphology", 0, 0, 0),
-        ("morphology", 0, 0, 1),
-        ("morphology", 1, 0, 0),
-        ("morphology", 1, 0, 1),
-        ("morphology", 1, 1, 0),
-        ("reward", 0, 0, 0),
-        ("reward", 0, 0, 1),
-        ("morphology", 1, 0, 0),
-        ("reward", 1, 0, 0),
+    asked = [(str(one.slot), one.slot.attempt, one.repair) for one in kept]
+    assert asked == [
+        ("coarse morphology 1", 0, 0),
+        ("coarse morphology 1", 0, 1),
+        ("coarse morphology 2", 0, 0),
+        ("coarse morphology 2", 0, 1),
+        ("coarse morphology 2", 1, 0),
+        ("coarse reward 1", 0, 0),
+        ("coarse reward 1", 0, 1),
+        ("fine morphology 1.1", 0, 0),
+        ("fine reward 1.1", 0, 0),
     ]
-    found = [" ".join(one.findings or ()) for one in kept]
-    for number, word in enumerate(("JSON", "", "same body", "", "", "nan", "", "", "")):
+    found = [" ".join(one.validation_errors or ()) for one in kept]
+    for number, word in enumerate(("JSON", "", "same morphology", "", "", "nan", "", "", "")):
         assert word in found[number]
     assert [bool(said) for said in found] == [True, False, True, True, False, True, *[False] * 3]
-    # Faults went back to the model, and the fine stage was told what was measured.
+    # Errors went back to the model, and the fine stage saw what was measured.
     assert "when tried out" in script.seen[6]["messages"][-1]["content"]
     assert "efficiency" in script.seen[8]["messages"][1]["content"]
     with closing(Ledger(RunFolder(folder).ledger, read_only=True)) as ledger:
@@ -156,31 +153,48 @@ def test_no_key_is_written_anywhere(spoken: tuple[Path, Script]) -> None:
     assert not [path for path in files if KEY.encode() in path.read_bytes()]
 
 
-def test_a_replay_is_the_run_to_the_last_digit(
-    drafted: Path, tmp_path: Path, untrained: None
-) -> None:
-    again = run("swimmer", TINY, Replay(drafted), seed=1, out=tmp_path / "again").folder
+def test_a_replay_is_the_run_to_the_last_digit(drafted: Path, tmp_path: Path) -> None:
+    again = run(
+        "swimmer",
+        TINY,
+        designer=Replay(drafted),
+        seed=1,
+        executor="untrained",
+        out=tmp_path / "again",
+    ).folder
     assert numbers(again) == numbers(drafted)
     before, after = exchanges(drafted), exchanges(again)
     assert [one.key for one in after] == [one.key for one in before]
-    assert [one.findings for one in after] == [one.findings for one in before]
+    assert [one.validation_errors for one in after] == [one.validation_errors for one in before]
     assert {one.cost for one in after} == {0.0}
-    assert summarise(again).spending.requests == 0
+    assert load_run(again).spending.requests == 0
     assert "as recorded in" in Manifest.load(RunFolder(again).manifest).provenance
 
 
 def test_a_replay_of_another_search_says_where_it_parts(drafted: Path, tmp_path: Path) -> None:
-    other = replace(TINY, search=replace(TINY.search, objective="fitness"))
+    other = replace(TINY, objective="fitness")
     with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
-        run("swimmer", other, Replay(drafted), seed=1, out=tmp_path / "other")
+        run(
+            "swimmer",
+            other,
+            designer=Replay(drafted),
+            seed=1,
+            executor="untrained",
+            out=tmp_path / "other",
+        )
 
 
-def test_by_slot_another_trainer_gets_the_same_proposals(
-    drafted: Path, tmp_path: Path, untrained: None
-) -> None:
+def test_by_slot_another_trainer_gets_the_same_proposals(drafted: Path, tmp_path: Path) -> None:
     trainer = replace(TINY.trainer, options={**TINY.trainer.options, "actor_lr": 3e-4})
     other = replace(TINY, trainer=trainer)
-    folder = run("swimmer", other, Replay(drafted, "slot"), seed=1, out=tmp_path / "o").folder
+    folder = run(
+        "swimmer",
+        other,
+        designer=Replay(drafted, "slot"),
+        seed=1,
+        executor="untrained",
+        out=tmp_path / "o",
+    ).folder
     assert numbers(folder) != numbers(drafted)
     replies = {(one.slot, one.repair): one.reply for one in exchanges(drafted)}
     assert all(replies[one.slot, one.repair] == one.reply for one in exchanges(folder))
@@ -191,7 +205,14 @@ def test_only_runs_of_a_model_can_be_replayed(tmp_path: Path) -> None:
     manifest = Manifest("swimmer", 1, "custom", "offline", "No LLM was used.", 1, TINY)
     RunFolder.prepare(folder, manifest).release()
     with pytest.raises(InputError, match="designed by 'offline'"):
-        run("swimmer", TINY, Replay(folder), seed=1, out=tmp_path / "again")
+        run(
+            "swimmer",
+            TINY,
+            designer=Replay(folder),
+            seed=1,
+            executor="untrained",
+            out=tmp_path / "again",
+        )
     assert not (tmp_path / "again").exists()
 
 
@@ -201,18 +222,16 @@ def test_a_run_killed_again_and_again_pays_for_nothing_twice(drafted: Path, tmp_
         import sys, msgspec
         from pathlib import Path
         sys.path.insert(0, sys.argv[3])
-        import robomore.experiment
         from test_run_llm import talk
         from untrained import Untrained
         Untrained.seconds = 0.3
-        robomore.experiment.Processes = Untrained
         talk(Path(sys.argv[1]), sys.argv[2])
         """
     )
     out = tmp_path / "killed"
     with serve(*CONVERSATION) as (url, script):
         command = [sys.executable, "-c", program, str(out), url, str(Path(__file__).parent)]
-        # While a reward is rehearsed, and in the fine stage.
+        # During the dry run of a reward, and in the fine stage.
         for kept in (6, 8):
             process = subprocess.Popen(command)
             _wait(lambda kept=kept: len(_so_far(out)) >= kept, process)
@@ -245,12 +264,10 @@ def test_a_server_that_fails_in_every_way_and_a_run_killed_in_between(
         import sys
         from pathlib import Path
         sys.path.insert(0, sys.argv[3])
-        import robomore.experiment
         from robomore.llm.retry import RetryPolicy
         from test_run_llm import talk
         from untrained import Untrained
-        robomore.experiment.Processes = Untrained
-        talk(Path(sys.argv[1]), sys.argv[2], RetryPolicy(first_wait=0.01, seconds=6.0))
+        talk(Path(sys.argv[1]), sys.argv[2], RetryPolicy(initial_wait=0.01, timeout=6.0))
         """
     )
     out = tmp_path / "out"
@@ -268,10 +285,10 @@ def test_a_server_that_fails_in_every_way_and_a_run_killed_in_between(
     assert [one.reply for one in exchanges(out)] == [text for _, text in CONVERSATION[:-1]]
     assert numbers(out) == numbers(drafted)
     # Every request counts, those in vain and those under way at a kill among them.
-    assert summarise(out).spending.requests == len(steps)
+    assert load_run(out).spending.requests == len(steps)
 
 
-BROAD = replace(TINY, search=replace(TINY.search, morphologies=3, rewards=2, survivors=0.5))
+BROAD = with_method(TINY, options={"morphologies": 3, "rewards": 2, "survivors": 0.5})
 """Three branches."""
 
 
@@ -306,9 +323,7 @@ class Thoughtful:
 
 
 @pytest.mark.parametrize("diversity", [True, False])
-def test_side_by_side_or_in_turn_the_run_is_the_same(
-    tmp_path: Path, untrained: None, diversity: bool
-) -> None:
+def test_side_by_side_or_in_turn_the_run_is_the_same(tmp_path: Path, diversity: bool) -> None:
     found = []
     settings = replace(SETTINGS, diversity=diversity)
     for parallel in (1, 3):
@@ -317,29 +332,33 @@ def test_side_by_side_or_in_turn_the_run_is_the_same(
             chosen = LanguageModel(
                 connect("toy", base_url=url), settings, server=url, parallel=parallel
             )
-            out = run("swimmer", BROAD, chosen, seed=1, out=tmp_path / str(parallel)).folder
+            out = run(
+                "swimmer",
+                BROAD,
+                designer=chosen,
+                seed=1,
+                executor="untrained",
+                out=tmp_path / str(parallel),
+            ).folder
         assert mind.most == {
             "coarse": 1 if diversity or parallel == 1 else 3,
             "fine": parallel,
         }
-        kept = sorted((one.key, one.reply, one.findings) for one in exchanges(out))
+        kept = sorted((one.key, one.reply, one.validation_errors) for one in exchanges(out))
         assert len(kept) == len(script.seen)
         found.append((numbers(out), kept))
     assert found[0] == found[1]
 
 
 def test_killed_with_several_answers_under_way_only_those_are_asked_for_again(
-    tmp_path: Path, untrained: None
+    tmp_path: Path,
 ) -> None:
     program = textwrap.dedent(
         """
         import sys
         from pathlib import Path
         sys.path.insert(0, sys.argv[3])
-        import robomore.experiment
         from test_run_llm import BROAD, talk
-        from untrained import Untrained
-        robomore.experiment.Processes = Untrained
         talk(Path(sys.argv[1]), sys.argv[2], settings=BROAD, parallel=3)
         """
     )
@@ -360,7 +379,7 @@ def test_killed_with_several_answers_under_way_only_those_are_asked_for_again(
         subprocess.run(command, check=True, timeout=300)
         assert len(script.seen) == 2 * once + 3
     assert numbers(out) == numbers(whole)
-    assert summarise(out).spending.requests == once + 3
+    assert load_run(out).spending.requests == once + 3
 
 
 def test_ctrl_c_does_not_wait_for_a_silent_server_and_the_run_goes_on(tmp_path: Path) -> None:
@@ -386,7 +405,7 @@ def test_ctrl_c_does_not_wait_for_a_silent_server_and_the_run_goes_on(tmp_path: 
 
 
 def test_a_spent_budget_ends_the_run_and_a_larger_one_goes_on(
-    tmp_path: Path, untrained: None
+    tmp_path: Path,
 ) -> None:
     out = tmp_path / "poor"
     with serve(*CONVERSATION) as (url, script):
@@ -398,9 +417,9 @@ def test_a_spent_budget_ends_the_run_and_a_larger_one_goes_on(
         with pytest.raises(BudgetExhausted, match="--max-tokens"):
             talk(out, url, budget=ModelBudget(tokens=1_000))
         assert len(script.seen) == 3
-        assert summarise(out).spending == Spending(requests=3, tokens=360)
+        assert load_run(out).spending == Spending(requests=3, tokens=360)
         talk(out, url, budget=ModelBudget(requests=len(CONVERSATION) - 1, tokens=100_000, cost=1))
-    assert summarise(out).final
+    assert load_run(out).final
 
 
 def test_a_model_that_is_gone_ends_the_run_and_a_better_day_goes_on(tmp_path: Path) -> None:
@@ -435,7 +454,7 @@ def test_another_model_or_another_use_of_it_is_another_run(tmp_path: Path) -> No
             (replace(chosen, settings=replace(SETTINGS, history=HistorySettings(9))), "history"),
         ):
             with pytest.raises(RunFolderError, match=said):
-                run("swimmer", TINY, other, seed=1, out=out)
+                run("swimmer", TINY, designer=other, seed=1, out=out)
         assert len(script.seen) == 2
 
 
@@ -445,7 +464,7 @@ def test_a_limit_that_cannot_be_kept_is_refused_before_anything_is_written(
     model = connect("toy", base_url="http://model.example/v1")
     chosen = LanguageModel(model, budget=ModelBudget(cost=1.0))
     with pytest.raises(InputError, match="--price"):
-        run("swimmer", TINY, chosen, out=tmp_path / "out")
+        run("swimmer", TINY, designer=chosen, out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -456,7 +475,7 @@ def test_what_is_secret_in_a_url_is_no_part_of_a_run() -> None:
     assert "secret" not in json.dumps(chosen.identity)
 
 
-def test_pictures_go_along_where_the_model_can_see(tmp_path: Path, untrained: None) -> None:
+def test_pictures_go_along_where_the_model_can_see(tmp_path: Path) -> None:
     answers = (body(0.8), body(0.6), GOOD, body(0.7), "wrong_path")
     with serve(*answers) as (url, script), pytest.raises(InputError, match="serves no model"):
         talk(tmp_path / "out", url, vision=True)
@@ -484,15 +503,15 @@ def test_no_key_reaches_a_worker_or_a_rewards_process(
 
 def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) -> None:
     """In earnest, but for the model (`test_quick_llm.py` has a real server)."""
-    small = replace(TINY, search=replace(TINY.search, morphologies=1))
+    small = with_method(TINY, options={"morphologies": 1})
     with serve("page", body(0.8), "broken", GOOD, body(0.7), OTHER) as (url, _):
-        patience = RetryPolicy(first_wait=0.01)
-        chosen = LanguageModel(connect("toy", base_url=url, patience=patience), server=url)
-        folder = run("swimmer", small, chosen, seed=1, workers=2, out=tmp_path / "run").folder
-    accepted = [one for one in exchanges(folder) if one.findings == ()]
+        retry_policy = RetryPolicy(initial_wait=0.01)
+        chosen = LanguageModel(connect("toy", base_url=url, retry_policy=retry_policy), server=url)
+        folder = run("swimmer", small, designer=chosen, seed=1, out=tmp_path / "run").folder
+    accepted = [one for one in exchanges(folder) if one.validation_errors == ()]
     stages = [(one.slot.stage, one.slot.kind) for one in accepted]
     assert stages == [(stage, kind) for stage in ("coarse", "fine") for kind in KINDS]
-    assert summarise(folder).final
+    assert load_run(folder).final
     assert (folder / "champion" / "policy.npz").is_file()
 
 
@@ -500,12 +519,11 @@ INTERRUPTED = textwrap.dedent(
     """
     import sys
     sys.path.insert(0, sys.argv[3])
-    import robomore.experiment
+    import untrained
     from robomore.cli import main
-    from untrained import Untrained
-    robomore.experiment.Processes = Untrained
     sys.exit(main([
-        "run", "swimmer", "--preset", "smoke", "--morphologies", "6", "--seed", "1",
+        "run", "swimmer", "--preset", "smoke", "--method-option", "morphologies=6", "--seed", "1",
+        "--executor", "untrained",
         "--designer", "llm", "--base-url", sys.argv[2], "--model", "toy",
         "--out", sys.argv[1], "--quiet",
     ]))

@@ -13,7 +13,7 @@ from robomore.events import Event, Proposed
 from robomore.store import Ledger
 from robomore.types import Evaluation, Morphology, Reward, Slot
 
-SLOT = Slot("coarse", "morphology", 0, 0)
+SLOT = Slot("coarse", "morphology", (0,))
 
 
 class Moody:

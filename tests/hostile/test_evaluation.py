@@ -1,4 +1,4 @@
-"""Strangers in whole evaluations: checked first, and with the check switched off."""
+"""Hostile programs in whole evaluations: checked first, and with the check switched off."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from attempts import Attempt, attempts
+from attempts import Attempt, attempts, parameters
 from world import World, world
 
 from robomore.evaluation import evaluate as module
 from robomore.evaluation.request import Request
 from robomore.rewards.check import check_reward
-from robomore.sandbox.contain import Contained, run_contained
-from robomore.sandbox.layers import strict_is_possible
+from robomore.sandbox.call import SandboxResult, run_sandboxed
 from robomore.tasks import get_task
+from robomore.tasks.fingerprint import task_key
 from robomore.types import (
     Design,
     Evaluation,
@@ -25,10 +25,9 @@ from robomore.types import (
     Status,
     TrainerSettings,
 )
+from strict import strictly
 
-pytestmark = pytest.mark.skipif(
-    not strict_is_possible(), reason="this machine cannot contain a stranger"
-)
+pytestmark = strictly
 
 TASK = get_task("swimmer")
 HONEST = "def _get_rew(self, x_velocity, action):\n    return x_velocity, {'speed': x_velocity}\n"
@@ -50,18 +49,20 @@ def planted() -> Iterator[World]:
 
 
 @pytest.fixture(autouse=True)
-def quickly(monkeypatch: pytest.MonkeyPatch, planted: World) -> list[Contained]:
-    """Evaluate with the quick trainer; returns what came out of each child."""
-    seen: list[Contained] = []
+def quickly(monkeypatch: pytest.MonkeyPatch, planted: World) -> list[SandboxResult]:
+    """Evaluate with the quick trainer; return the result of each sandboxed call."""
+    seen: list[SandboxResult] = []
 
-    def run(function: str, *arguments: object, readable: object, **options: object) -> Contained:
+    def run(
+        function: str, *arguments: object, readable: object, **options: object
+    ) -> SandboxResult:
         folders = [Path(__file__).parent, planted.root / "readable"]
         seen.append(
-            run_contained("whole:train", *arguments, readable=folders, **options)  # type: ignore[arg-type]
+            run_sandboxed("whole:train", *arguments, readable=folders, **options)  # type: ignore[arg-type]
         )
         return seen[-1]
 
-    monkeypatch.setattr(module, "run_contained", run)
+    monkeypatch.setattr(module, "run_sandboxed", run)
     monkeypatch.setattr(module, "compiled_trainer", lambda shape, containment: None)
     return seen
 
@@ -75,21 +76,22 @@ def evaluate(planted: World, name: str, source: str) -> Evaluation:
         episodes=1,
         seed=1,
         limits=LIMITS,
+        task_key=task_key(TASK),
     )
     request = Request(job, key=name, scratch=str(planted.scratch(name)))
-    return module.evaluate(request, lambda steps: None)
+    return module.evaluate(request, lambda steps: None).evaluation
 
 
 def look(
     planted: World,
     attempt: Attempt,
     evaluation: Evaluation,
-    seen: list[Contained],
+    seen: list[SandboxResult],
     record: pytest.RecordProperty,
 ) -> None:
     """Record what came of an attempt and make sure that nothing got across."""
-    contained = seen[-1] if seen else Contained(evaluation.status, diagnosis=evaluation.diagnosis)
-    breaches = planted.breaches(contained, planted.root / "scratch" / "none")
+    result = seen[-1] if seen else SandboxResult(evaluation.status, diagnosis=evaluation.diagnosis)
+    breaches = planted.breaches(result, planted.root / "scratch" / "none")
     record("attempt", attempt.words)
     record("check", "error" if evaluation.status is Status.INVALID_REWARD else "passed")
     record("outcome", evaluation.status.value)
@@ -103,11 +105,11 @@ def look(
         assert "fitness" not in evaluation.behaviour
 
 
-@pytest.mark.parametrize("attempt", attempts(), ids=lambda attempt: attempt.name)
+@pytest.mark.parametrize("attempt", parameters())
 def test_with_the_check(
     attempt: Attempt,
     planted: World,
-    quickly: list[Contained],
+    quickly: list[SandboxResult],
     record_property: pytest.RecordProperty,
 ) -> None:
     source = planted.address(attempt.source)
@@ -121,12 +123,12 @@ def test_with_the_check(
     assert evaluation.status is not Status.FAILED, evaluation.diagnosis
 
 
-@pytest.mark.strangers
-@pytest.mark.parametrize("attempt", attempts(), ids=lambda attempt: attempt.name)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("attempt", parameters())
 def test_without_the_check(
     attempt: Attempt,
     planted: World,
-    quickly: list[Contained],
+    quickly: list[SandboxResult],
     record_property: pytest.RecordProperty,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -142,8 +144,7 @@ def test_an_honest_evaluation_is_the_same_before_and_after(
     before = evaluate(planted, "honest", HONEST)
     assert before.ok, before.diagnosis
     monkeypatch.setattr(module, "check_reward", lambda source: [])
-    for attempt in attempts():
-        if attempt.name in ("cheat/patch_numpy", "cheat/small_integers", "broken/global_random"):
-            evaluate(planted, attempt.name, planted.address(attempt.source))
+    for name in ("cheat/patch_numpy", "escape/small_integers", "broken/global_random"):
+        evaluate(planted, name, planted.address(attempts()[name].source))
     after = evaluate(planted, "honest", HONEST)
     assert (after.fitness, after.terms) == (before.fitness, before.terms)

@@ -10,7 +10,7 @@ import pytest
 from attempts import attempts
 from world import encode, world
 
-from robomore.sandbox.contain import Contained
+from robomore.sandbox.call import SandboxResult
 from robomore.types import Status
 
 # Harmless where nothing holds them: they read, write and reach what is planted for them.
@@ -34,16 +34,15 @@ except Exception as error:
 
 @pytest.mark.parametrize("name", REAL)
 def test_without_layers_it_gets_across(name: str) -> None:
-    attempt = next(it for it in attempts() if it.name == name)
     with world() as planted:
         scratch = planted.scratch(name)
         done = subprocess.run(
             [sys.executable, "-c", _UNPROTECTED.format(folder=str(Path(__file__).parent))],
-            input=encode(planted.address(attempt.source)),
+            input=encode(planted.address(attempts()[name].source)),
             capture_output=True,
             cwd=scratch,
             timeout=30,
             check=False,
         )
         said = done.stdout.decode(errors="replace")
-        assert planted.breaches(Contained(Status.REWARD_FAILED, diagnosis=said), scratch)
+        assert planted.breaches(SandboxResult(Status.REWARD_FAILED, diagnosis=said), scratch)

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 
 from robomore.llm import Completion, Exchange, MemoryLog, Request
-from robomore.llm.model import unasked
+from robomore.llm.model import do_nothing
 
 
 class ScriptedModel:
@@ -24,14 +24,15 @@ class ScriptedModel:
         self._price = price
         self._lock = threading.Lock()
 
-    def complete(self, request: Request, sending: Callable[[], None] = unasked) -> Completion:
-        sending()
+    def complete(
+        self, request: Request, before_send: Callable[[], None] = do_nothing
+    ) -> Completion:
+        before_send()
         with self._lock:
             number = len(self.asked)
             self.asked.append(request)
         text = self._answers(request) if callable(self._answers) else self._answers[number]
-        cost = None if self._price is None else self._price
-        return Completion(text, input_tokens=1000, output_tokens=100, cost=cost)
+        return Completion(text, input_tokens=1000, output_tokens=100, cost=self._price)
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
         return None if self._price is None else 0.0
@@ -47,13 +48,13 @@ class DyingLog(MemoryLog):
     def __init__(self, kept: Sequence[Exchange], call: str, number: int, after: bool) -> None:
         super().__init__(kept)
         self._plan = (call, number, after)
-        self._calls = {"add": 0, "judge": 0}
+        self._calls = {"add": 0, "set_errors": 0}
 
     def add(self, exchange: Exchange) -> None:
         self._dying("add", lambda: super(DyingLog, self).add(exchange))
 
-    def judge(self, key: str, findings: Sequence[str]) -> None:
-        self._dying("judge", lambda: super(DyingLog, self).judge(key, findings))
+    def set_errors(self, key: str, errors: Sequence[str]) -> None:
+        self._dying("set_errors", lambda: super(DyingLog, self).set_errors(key, errors))
 
     def _dying(self, call: str, work: Callable[[], None]) -> None:
         self._calls[call] += 1

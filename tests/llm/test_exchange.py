@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted import ScriptedModel
 
-from robomore.errors import BudgetExhausted, InputError, ModelUnavailable
+from robomore.errors import BudgetExhausted, InputError, ModelUnavailable, ProposalFailed
 from robomore.llm import (
     BudgetedClient,
     Completion,
@@ -27,12 +27,12 @@ from robomore.llm import (
     Spending,
     exchange_key,
 )
-from robomore.llm.model import unasked
-from robomore.llm.retry import RetryPolicy, TransientError, persist
+from robomore.llm.model import do_nothing
+from robomore.llm.retry import RetryPolicy, TransientError, retry
 from robomore.llm.tokens import estimate_prompt, estimate_tokens
 from robomore.types import Slot
 
-SLOT = Slot("coarse", "morphology", 0, 0)
+SLOT = Slot("coarse", "morphology", (0,))
 
 
 def request(text: str = "hello", slot: Slot = SLOT, repair: int = 0, **changes) -> Request:
@@ -50,8 +50,8 @@ def test_the_same_request_is_paid_for_once() -> None:
 @pytest.mark.parametrize(
     "other",
     [
-        request("hello", dataclasses.replace(SLOT, branch=1)),
-        request("hello", dataclasses.replace(SLOT, index=1)),
+        request("hello", dataclasses.replace(SLOT, index=(1,))),
+        request("hello", dataclasses.replace(SLOT, improves=True)),
         request("hello", dataclasses.replace(SLOT, attempt=1)),
         request("hello", dataclasses.replace(SLOT, stage="fine")),
         request("hello", dataclasses.replace(SLOT, kind="reward")),
@@ -71,13 +71,13 @@ def test_what_does_not_change_an_exchange() -> None:
     assert exchange_key("m", request()) != exchange_key("n", request())
 
 
-def test_an_exchange_is_kept_before_anybody_reads_it_and_judged_later() -> None:
+def test_an_exchange_is_kept_before_anybody_reads_it_and_checked_later() -> None:
     log = MemoryLog()
-    correspondence = BudgetedClient(ScriptedModel(["one"]), log)
-    exchange = correspondence.ask(request())
-    assert log.all()[0].findings is None
-    correspondence.judge(exchange, ["too long"])
-    assert log.all()[0].findings == ("too long",)
+    client = BudgetedClient(ScriptedModel(["one"]), log)
+    exchange = client.ask(request())
+    assert log.all()[0].validation_errors is None
+    client.set_errors(exchange, ["too long"])
+    assert log.all()[0].validation_errors == ("too long",)
 
 
 def test_an_exchange_survives_json_whatever_the_model_says() -> None:
@@ -105,18 +105,18 @@ def test_a_budget_stops_and_survives_resume(
     log = MemoryLog()
     model = ScriptedModel(lambda asked: "fine")
     for _ in range(2):  # the second time is a resumed run
-        correspondence = BudgetedClient(model, log, budget)
+        client = BudgetedClient(model, log, budget)
         with pytest.raises(BudgetExhausted, match=option):
             for number in range(10):
-                correspondence.ask(request(str(number)))
+                client.ask(request(str(number)))
         assert len(model.asked) == answered
-    assert correspondence.spent().requests == answered
+    assert log.spent().requests == answered
 
 
 def test_a_kept_exchange_is_free_even_when_the_budget_is_spent() -> None:
     model, log = ScriptedModel(["one"]), MemoryLog()
-    correspondence = BudgetedClient(model, log, ModelBudget(requests=1))
-    assert correspondence.ask(request()) == correspondence.ask(request())
+    client = BudgetedClient(model, log, ModelBudget(requests=1))
+    assert client.ask(request()) == client.ask(request())
 
 
 def test_requests_side_by_side_do_not_pass_the_budget() -> None:
@@ -126,18 +126,19 @@ def test_requests_side_by_side_do_not_pass_the_budget() -> None:
         barrier.wait()
         return "fine"
 
-    correspondence = BudgetedClient(ScriptedModel(slow), MemoryLog(), ModelBudget(requests=3))
+    log = MemoryLog()
+    client = BudgetedClient(ScriptedModel(slow), log, ModelBudget(requests=3))
     stopped = []
 
     def ask(number: int) -> None:
         try:
-            correspondence.ask(request(str(number)))
+            client.ask(request(str(number)))
         except BudgetExhausted:
             stopped.append(number)
 
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(ask, range(8)))
-    assert len(stopped) == 5 and correspondence.spent().requests == 3
+    assert len(stopped) == 5 and log.spent().requests == 3
 
 
 def test_a_cost_limit_without_a_price_is_refused() -> None:
@@ -147,26 +148,28 @@ def test_a_cost_limit_without_a_price_is_refused() -> None:
 
 def test_a_failed_request_leaves_nothing_under_way() -> None:
     class Down(ScriptedModel):
-        def complete(self, asked: Request, sending: Callable[[], None] = unasked) -> Completion:
-            sending()
+        def complete(
+            self, asked: Request, before_send: Callable[[], None] = do_nothing
+        ) -> Completion:
+            before_send()
             raise ModelUnavailable("down")
 
     budget = ModelBudget(requests=3, tokens=estimate_prompt(request().messages))
-    correspondence = BudgetedClient(Down([]), MemoryLog(), budget)
+    client = BudgetedClient(Down([]), MemoryLog(), budget)
     for _ in range(3):
         with pytest.raises(ModelUnavailable):
-            correspondence.ask(request())
+            client.ask(request())
     # They were sent all the same.
     with pytest.raises(BudgetExhausted, match="so far: 3 requests, 0 tokens"):
-        correspondence.ask(request())
+        client.ask(request())
 
 
 def recorded(*texts: str) -> MemoryLog:
     log = MemoryLog()
-    correspondence = BudgetedClient(ScriptedModel([f"to {text}" for text in texts]), log)
+    client = BudgetedClient(ScriptedModel([f"to {text}" for text in texts]), log)
     for number, text in enumerate(texts):
-        exchange = correspondence.ask(request(text, dataclasses.replace(SLOT, index=number)))
-        correspondence.judge(exchange, [f"finding {number}"])
+        exchange = client.ask(request(text, dataclasses.replace(SLOT, index=(number,))))
+        client.set_errors(exchange, [f"error {number}"])
     return log
 
 
@@ -174,14 +177,14 @@ def test_a_replay_answers_the_same_and_costs_nothing() -> None:
     log = recorded("a", "b")
     own = MemoryLog()
     replay = BudgetedClient(ReplayModel(log), own)
-    asked = request("b", dataclasses.replace(SLOT, index=1))
+    asked = request("b", dataclasses.replace(SLOT, index=(1,)))
     answered = replay.ask(asked)
     original = log.all()[1]
     assert answered.key == original.key
-    assert (answered.reply, answered.findings) == ("to b", ("finding 1",))
+    assert (answered.reply, answered.validation_errors) == ("to b", ("error 1",))
     assert own.spent() == Spending()
     # A replay can be replayed.
-    assert ReplayModel(own).complete(asked).text == "to b"
+    assert ReplayModel(own).complete(asked).reply == "to b"
 
 
 def test_a_replay_says_where_it_parts_from_the_recording() -> None:
@@ -189,33 +192,34 @@ def test_a_replay_says_where_it_parts_from_the_recording() -> None:
     with pytest.raises(InputError, match="another prompt for coarse morphology 1"):
         replay.complete(request("other"))
     with pytest.raises(InputError, match="ends before coarse morphology 6"):
-        replay.complete(request("a", dataclasses.replace(SLOT, index=5)))
+        replay.complete(request("a", dataclasses.replace(SLOT, index=(5,))))
     with pytest.raises(InputError, match="no exchanges"):
         ReplayModel(MemoryLog())
 
 
-def test_a_replay_by_slot_takes_any_prompt_and_judges_anew() -> None:
+def test_a_replay_by_slot_has_no_proposal_for_further_improvements() -> None:
+    replay = ReplayModel(recorded("a"), by="slot")
+    further = dataclasses.replace(SLOT, index=(5,), improves=True)
+    with pytest.raises(ProposalFailed, match="no answer for coarse morphology 6"):
+        replay.complete(request("a", further))
+    with pytest.raises(InputError, match="ends before coarse morphology 6"):
+        replay.complete(request("a", dataclasses.replace(further, improves=False)))
+
+
+def test_a_replay_by_slot_takes_any_prompt_and_is_checked_again() -> None:
     replay = ReplayModel(recorded("a"), by="slot")
     completion = replay.complete(request("the history has other numbers now"))
-    assert (completion.text, completion.verdict) == ("to a", None)
+    assert (completion.reply, completion.validation_errors) == ("to a", None)
 
 
-def test_a_replay_can_ask_a_model_for_the_rest() -> None:
-    model = ScriptedModel(["new"])
-    replay = ReplayModel(recorded("a"), otherwise=model)
-    assert replay.complete(request("a")).text == "to a"
-    assert replay.complete(request("b")).text == "new"
-    assert len(model.asked) == 1
-
-
-def test_persistence_is_bounded_and_waits_longer_each_time() -> None:
+def test_retries_are_bounded_and_wait_longer_each_time() -> None:
     waits: list[float] = []
 
     def fails() -> None:
         raise TransientError("busy")
 
     with pytest.raises(ModelUnavailable, match="tried 4 times"):
-        persist(fails, RetryPolicy(tries=4, first_wait=1, longest_wait=3), waits.append)
+        retry(fails, RetryPolicy(max_tries=4, initial_wait=1, max_wait=3), waits.append)
     assert len(waits) == 3
     assert 0.75 <= waits[0] <= 1.25 and 1.5 <= waits[1] <= 2.5 and 2.25 <= waits[2] <= 3.75
 

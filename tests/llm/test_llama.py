@@ -28,16 +28,18 @@ def test_nonsense_designs_come_out_of_a_real_server(tmp_path: Path) -> None:
         made = LLMDesigner(task, BudgetedClient(model, log), settings)
         bodies = []
         for i in range(3):
-            bodies.append(made.propose_morphology(Slot("coarse", "morphology", 0, i), bodies))
-        programs = [made.propose_reward(Slot("coarse", "reward", 0, 0), [])]
+            bodies.append(made.propose_morphology(Slot("coarse", "morphology", (i,)), bodies))
+        programs = [made.propose_reward(Slot("coarse", "reward", (0,)), [])]
         job = Job("swimmer", Design(bodies[0], programs[0]), TrainerSettings(), 1, 1, 0)
         best = Evaluation("", job, Status.OK, fitness=1.0, volume=0.1, efficiency=10.0)
-        programs.append(made.improve_reward(Slot("fine", "reward", 0, 1), best, [best]))
+        programs.append(
+            made.improve_reward(Slot("fine", "reward", (0, 1), improves=True), best, [best])
+        )
     assert len({body.parameters for body in bodies}) == 3
     assert all(task.check(body.parameters) and body.idea for body in bodies)
     assert len({program.source for program in programs}) == 2
     exchanges = log.all()
-    assert sum(exchange.findings == () for exchange in exchanges) == 5 < len(exchanges)
+    assert sum(exchange.validation_errors == () for exchange in exchanges) == 5 < len(exchanges)
     assert all(
         exchange.input_tokens > 1000 and exchange.output_tokens > 5 for exchange in exchanges
     )

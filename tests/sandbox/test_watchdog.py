@@ -1,4 +1,4 @@
-"""When a child has had enough, told by what there is to see of it."""
+"""When a sandboxed process must be ended, judged by snapshots of it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ QUIET = Snapshot(
     progress=None,
     printed=0,
     usage=Usage(cpu=0.0, memory=2**20, threads=4),
-    left_on_disk=0,
+    disk_bytes=0,
 )
 
 
@@ -31,17 +31,17 @@ def used(**changes: float) -> Usage:
     return replace(QUIET.usage, **changes)
 
 
-def after(seconds: float, *sights: Snapshot, tick: float = 0.5) -> Verdict | None:
-    """Return the verdict on a child that shows `sights` in turn, each for `seconds`."""
-    dog = Watchdog(LIMITS, cpu_seconds=200.0)
-    for sight in sights:
-        for _ in range(round(seconds / tick)):
-            if (verdict := dog.look(tick, sight)) is not None:
+def after(seconds: float, *snapshots: Snapshot, interval: float = 0.5) -> Verdict | None:
+    """Return the verdict on a process that is as in each snapshot for `seconds`."""
+    watchdog = Watchdog(LIMITS, cpu_seconds=200.0)
+    for snapshot in snapshots:
+        for _ in range(round(seconds / interval)):
+            if (verdict := watchdog.check(interval, snapshot)) is not None:
                 return verdict
     return None
 
 
-def test_leaves_a_busy_child_alone() -> None:
+def test_a_busy_process_is_left_alone() -> None:
     steps = [replace(QUIET, call=n, progress=n, usage=used(cpu=0.9 * n)) for n in range(1, 90)]
     assert after(1.0, *steps) is None
 
@@ -54,8 +54,8 @@ def test_wall_clock() -> None:
 
 
 def test_a_sleeping_machine_is_not_charged() -> None:
-    dog = Watchdog(LIMITS, cpu_seconds=200.0)
-    assert dog.look(100_000.0, QUIET) is None
+    watchdog = Watchdog(LIMITS, cpu_seconds=200.0)
+    assert watchdog.check(100_000.0, QUIET) is None
 
 
 def test_a_call_that_computes_without_end() -> None:
@@ -65,7 +65,7 @@ def test_a_call_that_computes_without_end() -> None:
     assert "one call of the reward" in verdict[1]
 
 
-def test_a_call_that_sleeps_gets_longer_and_then_no_more() -> None:
+def test_a_call_that_sleeps_has_a_longer_limit() -> None:
     inside = replace(QUIET, call=7)
     assert after(4.0, inside) is None
     assert after(7.0, inside) is not None
@@ -81,27 +81,27 @@ def test_no_progress() -> None:
     assert verdict == (Status.TIMED_OUT, "made no progress for 20 s")
 
 
-def test_progress_backwards_is_none() -> None:
+def test_progress_backwards_is_no_progress() -> None:
     back = [replace(QUIET, progress=-n) for n in range(60)]
     assert after(0.5, *back) is not None
 
 
 @pytest.mark.parametrize(
-    ("sight", "status"),
+    ("snapshot", "status"),
     [
         (replace(QUIET, usage=used(memory=1001 * 2**20)), Status.OUT_OF_MEMORY),
         (replace(QUIET, usage=used(cpu=201.0)), Status.TIMED_OUT),
         (replace(QUIET, usage=used(threads=10_000)), Status.REWARD_FAILED),
         (replace(QUIET, printed=2**30), Status.REWARD_FAILED),
-        (replace(QUIET, left_on_disk=21 * 2**20), Status.REWARD_FAILED),
-        (replace(QUIET, left_on_disk=None), Status.REWARD_FAILED),
+        (replace(QUIET, disk_bytes=21 * 2**20), Status.REWARD_FAILED),
+        (replace(QUIET, disk_bytes=None), Status.REWARD_FAILED),
     ],
 )
-def test_one_look_is_enough(sight: Snapshot, status: Status) -> None:
-    verdict = Watchdog(LIMITS, cpu_seconds=200.0).look(0.1, sight)
+def test_one_snapshot_is_enough(snapshot: Snapshot, status: Status) -> None:
+    verdict = Watchdog(LIMITS, cpu_seconds=200.0).check(0.1, snapshot)
     assert verdict is not None and verdict[0] is status
 
 
-def test_where_nothing_can_be_read_time_still_counts() -> None:
-    blind = replace(QUIET, usage=None, call=1)
-    assert after(3.0, blind) is not None
+def test_where_usage_cannot_be_read_time_still_counts() -> None:
+    unreadable = replace(QUIET, usage=None, call=1)
+    assert after(3.0, unreadable) is not None

@@ -1,4 +1,4 @@
-"""Frames survive being cut anywhere; nonsense is refused and never hoarded."""
+"""Frames arrive whole however they are cut; malformed ones are refused."""
 
 from __future__ import annotations
 

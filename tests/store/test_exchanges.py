@@ -54,18 +54,18 @@ def test_exchanges_come_back_in_order_pictures_and_all(path: Path) -> None:
     assert again.find("none") is None
 
 
-def test_findings_are_set_without_losing_the_order(path: Path) -> None:
+def test_validation_errors_are_set_without_losing_the_order(path: Path) -> None:
     log = LedgerExchanges(path)
     for number in range(3):
         log.add(exchange(number))
-    log.judge("key0", ["too thin"])
-    log.judge("key1", ())
+    log.set_errors("key0", ["too thin"])
+    log.set_errors("key1", ())
     found = LedgerExchanges(path).all()
     assert [one.key for one in found] == ["key0", "key1", "key2"]
-    assert [one.findings for one in found] == [("too thin",), (), None]
-    assert replace(found[0], findings=None) == exchange(0)
+    assert [one.validation_errors for one in found] == [("too thin",), (), None]
+    assert replace(found[0], validation_errors=None) == exchange(0)
     with pytest.raises(KeyError):
-        log.judge("none", ())
+        log.set_errors("none", ())
 
 
 def test_what_was_spent_counts_earlier_processes_too(path: Path) -> None:
@@ -94,7 +94,7 @@ def test_it_lives_beside_the_ledger_and_takes_many_threads(path: Path) -> None:
 
     def both(number: int) -> None:
         log.add(exchange(number))
-        log.judge(f"key{number}", [str(number)])
+        log.set_errors(f"key{number}", [str(number)])
 
     with ThreadPoolExecutor(4) as threads:
         futures = [threads.submit(both, number) for number in range(24)]
@@ -102,7 +102,7 @@ def test_it_lives_beside_the_ledger_and_takes_many_threads(path: Path) -> None:
             ledger.add_event("meanwhile", number=number)
         for future in futures:
             future.result()
-    assert {one.findings for one in log.all()} == {(str(number),) for number in range(24)}
+    assert {one.validation_errors for one in log.all()} == {(str(number),) for number in range(24)}
     assert log.spent() == Spending.of(log.all())
     assert len(ledger.events()) == 24
 

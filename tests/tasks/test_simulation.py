@@ -28,7 +28,9 @@ def _get_rew(self, x_velocity, action):
 
 def drive(batch: VectorEnv, steps: int, seed: int) -> list[Any]:
     random = np.random.default_rng(seed)
-    return [batch.step(random.uniform(-1, 1, (batch.n, batch.action_size))) for _ in range(steps)]
+    return [
+        batch.step(random.uniform(-1, 1, (batch.num_envs, batch.action_size))) for _ in range(steps)
+    ]
 
 
 def same(first: list[Any], second: list[Any]) -> bool:

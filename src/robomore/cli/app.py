@@ -26,7 +26,7 @@ COMMANDS = {
         "robomore.cli.sandbox:check_reward",
         "Say what is wrong with a reward, without running it.",
     ),
-    "doctor": ("robomore.cli.sandbox:doctor", "Say what keeps a stranger's code in, here."),
+    "doctor": ("robomore.cli.sandbox:doctor", "Check which sandbox layers this machine offers."),
     "prompt": ("robomore.cli.prompt:prompt", "Print what a language model would be told."),
     "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
 }

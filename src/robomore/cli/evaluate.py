@@ -58,7 +58,8 @@ def evaluate(
     out
         Keep design and policy in this folder, for `robomore play`.
     containment
-        `relaxed` trains without the operating system's protection where a machine lacks it.
+        `strict` refuses to start if this machine does not offer all sandbox layers for rewards,
+        `relaxed` runs with the layers that are available.
     as_json
         Print the evaluation as JSON.
     """

@@ -1,4 +1,4 @@
-"""`robomore play`: a trained design in motion, in a window where there is one, else as a video."""
+"""`robomore play`: trained designs in motion, in a window where there is one, else as a video."""
 
 from __future__ import annotations
 
@@ -16,49 +16,57 @@ def play(
     design: Path,
     /,
     *,
+    evaluation: str | None = None,
+    reference: Annotated[bool, Parameter(negative="")] = False,
+    beside: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
     seconds: int = 15,
     seed: int = 0,
     drawn: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
-    """Watch a champion move.
+    """Watch a champion, or any other design of a run, move.
 
     Parameters
     ----------
     design
         A run's folder, or a folder with `design.json` and `policy.npz` (a run's `champion/`, or
         what `robomore evaluate --out` left).
+    evaluation
+        Key of one of the run's evaluations, or its beginning, instead of the champion.
+    reference
+        Play the reference design of the run's final instead of the champion.
+    beside
+        Show the reference design below it, both at one clock. This is always a video.
     out
         Write a video into this file (.mp4 needs imageio-ffmpeg; .webp and .gif work anywhere)
         instead of opening a window.
     seconds
         Length of the video at most.
     seed
-        Of the episode's start.
+        Seed of the episode's start.
     drawn
         Draw the video without OpenGL, even where OpenGL works.
     """
-    from robomore.cli.trained_design import find_trained_design
-    from robomore.rendering.recording import record
+    from robomore.cli.trained_design import described, find_policies
     from robomore.rendering.video import default_path, refuse_format, write_video
 
     positive(seconds=seconds)
     if out is not None:
         refuse_format(out)
-    performer = find_trained_design(design)
-    recording = record(performer, seed)
-    said = f"{performer.title}: {recording.told}"
-    if out is None and not drawn and _has_screen():
+    policies = find_policies(design, evaluation, reference, beside)
+    recordings = [policy.recorded(seed) for policy in policies]
+    said = "\n".join(described(recording) for recording in recordings)
+    if out is None and not drawn and not beside and _has_screen():
         from robomore.rendering.window import show_in_window
 
         sys.stdout.write(f"{said}; close the window to end\n")
         sys.stdout.flush()
-        if show_in_window(recording):
+        if show_in_window(recordings[0]):
             return
         sys.stderr.write("no window could be opened; writing a video instead\n")
-    path = out or default_path(performer.name)
+    path = out or default_path(policies[0].name)
     sys.stderr.write(f"writing {path} …\n")
-    write_video(recording, path, seconds, drawn)
+    write_video(recordings, path, seconds, drawn)
     sys.stdout.write(f"{said}\nvideo: {path}\n")
 
 

@@ -1,10 +1,9 @@
-"""`robomore prompt`: what a language model is told, without asking one."""
+"""`robomore prompt`: prints the prompts for a language model, without one."""
 
 from __future__ import annotations
 
 import json
 import sys
-from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -39,13 +38,13 @@ def prompt(
     kind
         What is asked for.
     source
-        Folder of a run: its proposals are the earlier ones, its best design is to be improved.
+        Folder of a run, whose proposals are the earlier ones and whose best design is improved.
     objective
-        What the search compares; by default what the run does, or `efficiency`.
+        What the search compares; by default that of the run, or `efficiency`.
     history_tokens
-        The most that the history may take; by default what the run says, or 8000.
+        The most tokens that the history may take; by default those of the run, or 8000.
     history_rule
-        What of the history is taken in turn; by default what the run says.
+        How entries of the history are chosen; by default as in the run.
     as_json
         Print JSON: the messages, and the schema that a provider may enforce.
     """
@@ -79,8 +78,8 @@ def prompt(
         messages = [role, replace(question, text=f"{question.text}\n\n{render('pictures')}")]
     schema = morphology_schema(chosen) if kind.endswith("morphology") else None
     if as_json:
-        told = [{"role": message.role, "text": message.text} for message in messages]
-        write_json({"messages": told, "schema": schema})
+        sent = [{"role": message.role, "text": message.text} for message in messages]
+        write_json({"messages": sent, "schema": schema})
         return
     for message in messages:
         sys.stdout.write(f"--- {message.role} ---\n{message.text}\n")
@@ -90,7 +89,7 @@ def prompt(
 
 @dataclass(frozen=True)
 class _Seen:
-    """What a run has to show."""
+    """What the prompts need of a run."""
 
     objective: Literal["efficiency", "fitness"] = "efficiency"
     morphologies: list[Morphology] = field(default_factory=list)
@@ -102,38 +101,39 @@ class _Seen:
 
 
 def _seen(task: Task, path: Path) -> _Seen:
-    """Read a run as the next proposal of its best branch would see it.
+    """Return what the next proposal would be shown of a run.
 
     Raises:
         InputError: it is no run of this task.
     """
-    from robomore.report.lineage import best_of, in_order
-    from robomore.store import Ledger, Manifest, RunFolder
-    from robomore.types import finished
+    from robomore.runs import load_run
+    from robomore.runs.lineage import best_of
 
-    folder = RunFolder.existing(path)
-    manifest = Manifest.load(folder.manifest)
-    if manifest.task != task.id:
-        raise InputError(f"{path} is a run of {manifest.task!r}, not of {task.id!r}")
-    with closing(Ledger(folder.ledger, read_only=True)) as ledger:
-        placed = in_order(ledger.placed())
-        proposals = [p for p in ledger.proposals() if p.slot.stage == "coarse"]
-    proposals.sort(key=lambda proposal: proposal.slot.index)
-    objective = manifest.settings.search.objective
-    fine = [(place, e) for place, e in placed if place.stage == "fine"]
-    grid = [e for place, e in placed if place.stage == "coarse"]
-    best = best_of(finished([*grid, *(e for _, e in fine)]), objective)
-    # A branch sees the grid and its own trials.
-    branch = next((place.branch for place, e in fine if best and e.key == best.key), None)
-    told = manifest.designer_settings
-    if not told.get("diversity", True):
-        proposals = []
+    run = load_run(path)
+    if run.manifest.task != task.id:
+        raise InputError(f"{path} is a run of {run.manifest.task!r}, not of {task.id!r}")
+    searched = [*run.searched, *run.cut]
+    searched.sort(key=lambda record: run.plan.position(record.place))
+    best = best_of((record.evaluation for record in run.searched), run.objective)
+    # A refinement sees all first ideas, and what was made in its own branch.
+    refined = [record.place for record in searched if record.place.parent]
+    branch = next(
+        (r.place.index[:1] for r in searched if r.place in refined and r.evaluation == best),
+        refined[0].index[:1] if refined else (),
+    )
+    settings = run.manifest.designer_settings
+    first = [p for p in run.proposals if not p.slot.improves and settings.get("diversity", True)]
+    first.sort(key=lambda proposal: proposal.slot.index)
     return _Seen(
-        objective,
-        [p.morphology for p in proposals if p.morphology],
-        [p.reward for p in proposals if p.reward],
+        run.objective,
+        [p.morphology for p in first if p.morphology],
+        [p.reward for p in first if p.reward],
         best,
-        [*grid, *(e for place, e in fine if place.branch == (branch or 0))],
-        told.get("history", {}),
-        bool(told.get("vision")),
+        [
+            record.evaluation
+            for record in searched
+            if not record.place.parent or record.place.index[:1] == branch
+        ],
+        settings.get("history", {}),
+        bool(settings.get("vision")),
     )

@@ -1,4 +1,4 @@
-"""`robomore doctor` and `robomore check-reward`: containment here, and faults before training."""
+"""`robomore doctor` checks the sandbox of this machine, `robomore check-reward` checks a reward."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from robomore.cli.output import console, write_json
 
 
 def doctor(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False) -> int:
-    """Say which layers of containment are active on this machine, by trying to get past each.
+    """Check which sandbox layers this machine offers.
 
-    Exit status 1 if a run would refuse to start with `--containment strict`.
+    Each layer is turned on in a process that then tries to get past it. The exit status is 1 if a
+    run with `--containment strict` would refuse to start on this machine.
 
     Parameters
     ----------
@@ -23,24 +24,25 @@ def doctor(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False
     from dataclasses import asdict
 
     from robomore.sandbox.layers import layers
-    from robomore.sandbox.layers import missing as missing_of
+    from robomore.sandbox.restrictions import missing
 
     found = layers()
-    missing = [layer.name for layer in missing_of(found)]
+    lacking = [layer.name for layer in missing(found)]
     if as_json:
-        write_json({"strict": not missing, "layers": [asdict(layer) for layer in found]})
+        write_json({"strict": not lacking, "layers": [asdict(layer) for layer in found]})
     else:
         out = console()
         for layer in found:
             out.print(f"{'on ' if layer.active else 'OFF'}  {layer.name}: {layer.detail}")
-        if missing:
+        if lacking:
             out.print(
-                f"Strict containment is not possible here (no {', '.join(missing)}): "
-                "`--containment relaxed` runs rewards with the layers that there are."
+                "Strict containment is not possible on this machine, because a required layer is "
+                f"missing: {', '.join(lacking)}. With `--containment relaxed`, rewards run with "
+                "the layers that are available."
             )
         else:
-            out.print("Strict containment is possible, and the default.")
-    return 1 if missing else 0
+            out.print("Strict containment, the default, is possible on this machine.")
+    return 1 if lacking else 0
 
 
 def check_reward(
@@ -50,7 +52,9 @@ def check_reward(
     *,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> int:
-    """Say what is wrong with a reward, without running it; exit status 1 if it has an error.
+    """Check a reward for errors without running it.
+
+    The exit status is 1 if it has an error.
 
     Parameters
     ----------
@@ -79,5 +83,5 @@ def check_reward(
         for finding in findings:
             console().print(f"{file}:{finding.line}: {finding.severity}: {finding.message}")
         if not findings:
-            console().print(f"{file}: nothing to complain about")
+            console().print(f"{file}: no errors found")
     return 1 if any(finding.severity == "error" for finding in findings) else 0

@@ -1,4 +1,4 @@
-"""Which body and which policy to play, found in a run or in a design's folder."""
+"""Which policy moves which robot, found in a run or in a design's folder."""
 
 from __future__ import annotations
 
@@ -8,19 +8,23 @@ from pathlib import Path
 
 from robomore.cli.inputs import read_parameters, read_text
 from robomore.errors import InputError
+from robomore.rendering.recording import Recording, record
+from robomore.runs import Run, TrainedDesign, load_run
+from robomore.runs.lineage import best_of
+from robomore.runs.words import number
 from robomore.store import RunFolder
 from robomore.store.champion import check_sums
 from robomore.tasks import Task, get_task
-from robomore.training.policy import MLPPolicy
+from robomore.training.policy import POLICY, MLPPolicy
 
 
 @dataclass(frozen=True)
-class TrainedDesign:
-    """A trained design.
+class TrainedPolicy:
+    """A policy and the robot that it was trained for.
 
     Attributes:
         task: that it was trained for.
-        parameters: of the body, in the task's order.
+        parameters: of the morphology, in the task's order.
         policy: that moves it.
         title: for people.
         name: fit for a file.
@@ -32,32 +36,90 @@ class TrainedDesign:
     title: str
     name: str
 
+    def recorded(self, seed: int) -> Recording:
+        """Return one episode.
 
-def find_trained_design(path: Path) -> TrainedDesign:
+        Raises:
+            InputError: the policy was trained for another robot.
+        """
+        try:
+            return record(self.task, self.parameters, self.policy.act, self.title, seed)
+        except ValueError as error:
+            raise InputError(
+                f"the policy of {self.title} does not fit this robot ({error}); play it with its "
+                "own design.json"
+            ) from None
+
+
+def find_policies(
+    path: Path, evaluation: str | None = None, reference: bool = False, beside: bool = False
+) -> list[TrainedPolicy]:
     """Return what is to be played.
 
     Args:
         path: a run folder, a folder with `design.json` and `policy.npz`, or that `design.json`.
+        evaluation: key of one of the run's evaluations, instead of the champion.
+        reference: the reference design of the run's final, instead of the champion.
+        beside: the reference design as well.
 
     Raises:
         InputError: there is nothing to play.
     """
     if path.name == "design.json":
         path = path.parent
-    folder = RunFolder(path)
-    if folder.manifest.is_file():
-        if (folder.champion / "design.json").is_file():
-            return _from_design(folder.champion, path.resolve().name)
-        return _best_so_far(folder)
+    if RunFolder(path).manifest.is_file():
+        return _from_run(load_run(path), evaluation, reference, beside)
+    if evaluation or reference or beside:
+        raise InputError(
+            f"{path} is no run folder, so it has one design only; leave out --evaluation, "
+            "--reference and --beside"
+        )
     if not (path / "design.json").is_file():
         raise InputError(
             f"{path} is neither a run folder nor a design (no run.json, no design.json); name a "
             "folder that `robomore run` or `robomore evaluate --out` wrote"
         )
-    return _from_design(path, path.resolve().name)
+    return [_from_design(path)]
 
 
-def _from_design(folder: Path, name: str) -> TrainedDesign:
+def _from_run(
+    run: Run, evaluation: str | None, reference: bool, beside: bool
+) -> list[TrainedPolicy]:
+    if evaluation and reference:
+        raise InputError("give --evaluation or --reference, not both")
+    if (reference or beside) and run.reference is None:
+        raise InputError(f"{run.folder} has no final yet, so no reference design; run it on")
+    found = []
+    if evaluation:
+        found.append(_of_run(run, run.evaluation(evaluation).key, evaluation))
+    elif not reference:
+        if run.champion is None:
+            raise InputError(f"{run.folder} has nothing trained yet; wait, or run it on")
+        found.append(_of_run(run, _best_seed(run, run.champion), run.champion.name))
+    if reference or beside:
+        assert run.reference is not None
+        found.append(_of_run(run, _best_seed(run, run.reference), run.reference.name))
+    return found
+
+
+def _best_seed(run: Run, design: TrainedDesign) -> str:
+    best = best_of(design.evaluations, run.objective)
+    if best is None:
+        raise InputError(
+            f"no training of the {design.name} design in {run.folder} succeeded: "
+            f"{design.evaluations[0].diagnosis}"
+        )
+    return best.key
+
+
+def _of_run(run: Run, key: str, name: str) -> TrainedPolicy:
+    parameters = run.evaluation(key).design.morphology.parameters
+    title = f"{run.task.title}, {name}"
+    file = f"{run.folder.resolve().name}-{name.replace(' ', '-')}"
+    return TrainedPolicy(run.task, parameters, run.load_policy(key), title, file)
+
+
+def _from_design(folder: Path) -> TrainedPolicy:
     check_sums(folder)
     file = folder / "design.json"
     text = read_text(file, "name a folder that `robomore run` wrote")
@@ -66,32 +128,22 @@ def _from_design(folder: Path, name: str) -> TrainedDesign:
     except (ValueError, KeyError, TypeError):
         raise InputError(f"{file} is damaged (it names no task); write it anew") from None
     parameters = read_parameters(task, str(file))
-    policy = _load(folder / "policy.npz", task)
-    return TrainedDesign(task, parameters, policy, f"{task.title}, {name}", name)
-
-
-def _best_so_far(folder: RunFolder) -> TrainedDesign:
-    from robomore.report.summary import summarise
-
-    summary = summarise(folder.path)
-    if summary.champion is None:
-        raise InputError(f"{folder.path} has nothing trained yet; wait, or run it on")
-    best = summary.champion.evaluations[0]
-    policy = _load(folder.artifacts / best.artifact / "policy.npz", summary.task)
-    parameters = best.design.morphology.parameters
-    name = folder.path.resolve().name
-    title = f"{summary.task.title}, best so far of {name}"
-    return TrainedDesign(summary.task, parameters, policy, title, name)
-
-
-def _load(path: Path, task: Task) -> MLPPolicy:
+    path, name = folder / POLICY, folder.resolve().name
     if not path.is_file():
         raise InputError(
             f"{path} is missing, so nothing moves this design; train it: robomore evaluate "
-            f"{task.id} --parameters {path.parent / 'design.json'} "
-            f"--reward {path.parent / 'reward.py'} --out DIR"
+            f"{task.id} --parameters {file} --reward {folder / 'reward.py'} --out DIR"
         )
     try:
-        return MLPPolicy.load(path)
+        policy = MLPPolicy.load(path)
     except (ValueError, OSError) as error:
         raise InputError(f"{path} cannot be used ({error}); train the design again") from None
+    return TrainedPolicy(task, parameters, policy, f"{task.title}, {name}", name)
+
+
+def described(recording: Recording) -> str:
+    """Return what happened in an episode, in words."""
+    said = f"{number(recording.distance, 3)} m forward in {number(recording.seconds, 3)} s"
+    if recording.task.fitness == "height":
+        said = f"{number(recording.height, 3)} m high, {said}"
+    return f"{recording.title}: {said}{', then it fell' if recording.fell else ''}"

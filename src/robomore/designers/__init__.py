@@ -1,9 +1,9 @@
-"""Designers: whoever proposes bodies and rewards, and improves on what was measured.
+"""Designers: they propose morphologies and rewards, and improve on what was measured.
 
-`Designer` is all that the search knows. `OfflineDesigner` needs no LLM, `HumanDesigner` and
-`RandomDesigner` are baselines; `make_designer` returns one by its name. `LanguageModel` and
-`Replay` say what is to design where a name is not enough. A designer is a pure function of its
-arguments and its seed, so a run can be resumed, repeated and spread over processes.
+`Designer` is all that the search knows. `OfflineDesigner` needs no language model, `LLMDesigner`
+asks one. `make_designer` returns a designer by its name. `LanguageModel` and `Replay` describe the
+designers that need settings. A designer is a pure function of its arguments and its seed, so a run
+can be resumed, repeated and spread over processes.
 """
 
 from __future__ import annotations

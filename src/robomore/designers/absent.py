@@ -1,4 +1,4 @@
-"""The designer of methods that ask none."""
+"""The designer of search methods that need none."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from robomore.types import Evaluation, Morphology, Reward, Slot
 
 
 class NoDesigner:
-    """Has no proposals. It is what a method is given that says it needs no designer."""
+    """Has no proposals. A method gets it if it says that it needs no designer."""
 
     name = ""
     reflects = False

@@ -1,4 +1,4 @@
-"""What the search asks of a designer, be it an LLM, an optimiser or a person."""
+"""The interface of a designer: a language model, an optimizer or a person."""
 
 from __future__ import annotations
 
@@ -9,17 +9,19 @@ from robomore.types import Evaluation, Morphology, Reward, Slot
 
 
 class Designer(Protocol):
-    """Proposes bodies and rewards, and improves on what was measured (paper, Alg. 1).
+    """Proposes morphologies and rewards, and improves on what was measured (paper, Alg. 1).
 
     Every method is a pure function of its arguments and of the seed that the designer was made
-    with: the slot names the place in the run, so the order of calls does not matter. A designer
-    may raise `ProposalFailed`; the search then asks for a fresh proposal in the same place.
+    with. The slot names the proposal within the run, so the order of calls does not matter. A
+    designer may raise `ProposalFailed`; the search then asks again with the next attempt of the
+    same slot. `robomore.testing.check_designer` checks all of this.
 
     Attributes:
-        name: as on the command line.
+        name: name on the command line.
         provenance: one plain sentence on what makes the proposals ("No LLM was used: …").
-        reflects: whether proposals look at earlier ones (Diversity Reflection) and so have to come
-            one after the other; taken as true where a designer does not say.
+        reflects: whether proposals depend on earlier ones (Diversity Reflection). If so, they are
+            asked for one after the other. A designer without this attribute counts as one that
+            reflects.
     """
 
     name: str
@@ -27,25 +29,26 @@ class Designer(Protocol):
     reflects: bool
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
-        """Return a body that is good and far from all `earlier` ones (Diversity Reflection).
+        """Return a good morphology that is far from all `earlier` ones (Diversity Reflection).
 
-        Nothing is earlier for a designer that does not reflect.
+        `earlier` is empty for a designer that does not reflect.
         """
         ...
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
-        """Return a reward that is good and unlike all `earlier` ones (Diversity Reflection)."""
+        """Return a good reward that is unlike all `earlier` ones (Diversity Reflection)."""
         ...
 
     def improve_morphology(
         self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
     ) -> Morphology:
-        """Return a body to be tried with `best`'s reward; `history` holds all that was measured.
+        """Return a morphology to try with `best`'s reward.
 
-        Screening leaves evaluations of fewer training steps in it (`robomore.types.finished`).
+        `history` holds all evaluations so far. Screening leaves some with fewer training steps
+        (`robomore.types.finished`).
         """
         ...
 
     def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:
-        """Return a reward to be tried on `best`'s body; `history` holds all that was measured."""
+        """Return a reward to try with `best`'s morphology. `history` is as above."""
         ...

@@ -1,4 +1,4 @@
-"""A designer whose proposals are remembered: resuming a run proposes nothing twice."""
+"""Records the proposals of a designer, so that a resumed run asks for none of them twice."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from robomore.store.ledger import Ledger, Proposal
 from robomore.types import Evaluation, Morphology, Reward, Slot
 
 ATTEMPTS = 3
-"""Proposals that are asked for in one slot; then it stays empty."""
+"""How often a slot is asked for before it stays empty."""
 
 
 class RecordedDesigner:
-    """Answers from the ledger where it can, else asks `designer` and writes the answer down.
+    """Answers from the ledger, or else asks `designer` and records the answer in the ledger.
 
-    A slot that the designer fails to fill is recorded as failed and filled by a fresh proposal (the
-    slot's next attempt). When these run out too, it stays empty, and `ProposalFailed` says so to
-    the search. May be called from several threads.
+    A failed proposal is recorded too, and the designer is asked again with the slot's next attempt.
+    When all attempts fail, `ProposalFailed` is raised and the slot stays empty. Several threads may
+    use it at once.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class RecordedDesigner:
         return self._morphology(
             slot,
             content_key([morphology.parameters for morphology in earlier]),
-            lambda fresh: self._designer.propose_morphology(fresh, earlier),
+            lambda slot: self._designer.propose_morphology(slot, earlier),
         )
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
@@ -52,7 +52,7 @@ class RecordedDesigner:
         return self._reward(
             slot,
             content_key([reward.source for reward in earlier]),
-            lambda fresh: self._designer.propose_reward(fresh, earlier),
+            lambda slot: self._designer.propose_reward(slot, earlier),
         )
 
     def improve_morphology(
@@ -62,7 +62,7 @@ class RecordedDesigner:
         return self._morphology(
             slot,
             content_key(best.key, [evaluation.key for evaluation in history]),
-            lambda fresh: self._designer.improve_morphology(fresh, best, history),
+            lambda slot: self._designer.improve_morphology(slot, best, history),
         )
 
     def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:
@@ -70,20 +70,20 @@ class RecordedDesigner:
         return self._reward(
             slot,
             content_key(best.key, [evaluation.key for evaluation in history]),
-            lambda fresh: self._designer.improve_reward(fresh, best, history),
+            lambda slot: self._designer.improve_reward(slot, best, history),
         )
 
     def _morphology(self, slot: Slot, given: str, ask: Callable[[Slot], Morphology]) -> Morphology:
-        proposal = self._filled(slot, given, lambda s: Proposal(s, morphology=ask(s)))
+        proposal = self._fill(slot, given, lambda slot: Proposal(slot, morphology=ask(slot)))
         assert proposal.morphology is not None
         return proposal.morphology
 
     def _reward(self, slot: Slot, given: str, ask: Callable[[Slot], Reward]) -> Reward:
-        proposal = self._filled(slot, given, lambda s: Proposal(s, reward=ask(s)))
+        proposal = self._fill(slot, given, lambda slot: Proposal(slot, reward=ask(slot)))
         assert proposal.reward is not None
         return proposal.reward
 
-    def _filled(self, slot: Slot, given: str, ask: Callable[[Slot], Proposal]) -> Proposal:
+    def _fill(self, slot: Slot, given: str, ask: Callable[[Slot], Proposal]) -> Proposal:
         failure = ""
         for attempt in range(ATTEMPTS):
             fresh = replace(slot, attempt=attempt)
@@ -97,9 +97,9 @@ class RecordedDesigner:
                     proposal = Proposal(fresh, failure=str(error))
                 self._ledger.add_proposal(proposal, given)
             failure = proposal.failure
-            said = proposal.morphology or proposal.reward
-            self._observe(Proposed(fresh, said.idea if said else "", failure))
-            if said is not None:
+            proposed = proposal.morphology or proposal.reward
+            self._observe(Proposed(fresh, proposed.idea if proposed else "", failure))
+            if proposed is not None:
                 return proposal
         raise ProposalFailed(
             f"{self.name} could not fill the {slot} in {ATTEMPTS} attempts; the last one: {failure}"

@@ -13,7 +13,7 @@ class Gather:
     """Live arrays of each simulation, side by side in one row of `values`.
 
     Attributes:
-        values: (n, width), overwritten by each reading.
+        values: (num_envs, width), overwritten by each reading.
         width: numbers of one simulation.
     """
 
@@ -51,7 +51,7 @@ class Scatter:
         self._of_row = [slice(i * size, (i + 1) * size) for i in range(len(views))]
 
     def write(self, values: Array) -> None:
-        """Write `values` (n, size), in C order."""
+        """Write `values` (num_envs, size), in C order."""
         flat = values.reshape(-1).data
         for view, row in zip(self._views, self._of_row, strict=True):
             view[:] = flat[row]

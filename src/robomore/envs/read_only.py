@@ -11,6 +11,10 @@ FORCES = frozenset({"cacc", "cfrc_int", "cfrc_ext"})
 """Accelerations and forces that MuJoCo computes only when asked (`mj_rnePostConstraint`)."""
 
 
+_PLAIN = frozenset({bool, int, float, str, bytes, tuple, type(None)})
+"""Types of values that can be handed out as they are."""
+
+
 class ReadOnly:
     """A MuJoCo struct whose arrays are read-only views of the live ones.
 
@@ -22,6 +26,7 @@ class ReadOnly:
         target: Any,
         lasting: Callable[[np.ndarray[Any, Any]], bool] = lambda array: True,
         on_forces: Callable[[], None] | None = None,
+        constant: bool = False,
     ) -> None:
         """Wrap `target`.
 
@@ -29,19 +34,30 @@ class ReadOnly:
             target: an `MjModel`, an `MjData`, or a part of one.
             lasting: whether an array stays where it is for as long as `target` lives.
             on_forces: called when one of `FORCES` is looked up for the first time.
+            constant: whether its numbers never change, so that they too are looked up once.
         """
-        vars(self).update(_target=target, _lasting=lasting, _on_forces=on_forces)
+        attributes = self.__dict__
+        attributes["_target"] = target
+        attributes["_lasting"] = lasting
+        attributes["_on_forces"] = on_forces
+        attributes["_constant"] = constant
 
     def __getattr__(self, name: str) -> Any:
-        if name not in vars(self) and (name.startswith("__") or name == "_target"):
+        attributes = self.__dict__
+        if name.startswith("__") or "_target" not in attributes:
             raise AttributeError(name)  # copying asks before anything is there
         if name in FORCES and self._on_forces is not None:
             self._on_forces()
-        value = self._wrap(getattr(self._target, name))
+        value = getattr(self._target, name)
+        if type(value) in _PLAIN:
+            if self._constant:
+                attributes[name] = value
+            return value
+        value = self._wrap(value)
         if isinstance(value, (ReadOnly, _Method)) or (
             isinstance(value, np.ndarray) and self._lasting(value)
         ):
-            vars(self)[name] = value
+            attributes[name] = value
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -64,16 +80,11 @@ class ReadOnly:
             view = value.view()
             view.flags.writeable = False
             return view
-        if value is None or isinstance(value, (bool, int, float, str, bytes, tuple, np.generic)):
+        if type(value) in _PLAIN or isinstance(value, np.generic):
             return value
-        if callable(value):
-            return _Method(value, self._part)
-        return self._part(value)
-
-    def _part(self, value: Any) -> Any:
         if type(value).__module__.startswith("mujoco"):
-            return ReadOnly(value, self._lasting, self._on_forces)
-        return self._wrap(value) if isinstance(value, np.ndarray) else value
+            return ReadOnly(value, self._lasting, self._on_forces, self._constant)
+        return _Method(value, self._wrap) if callable(value) else value
 
 
 class _Method:

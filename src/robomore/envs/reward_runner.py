@@ -24,20 +24,18 @@ REWARD_FILENAME = "<reward>"
 """The name under which a reward's text is compiled, and its lines stand in tracebacks."""
 
 _LONGEST = 500
-"""Characters of a stranger's own words that a diagnosis repeats."""
+"""Characters of a reward's own words that a diagnosis repeats."""
+
+_INDEX = "_simulation_index"
+"""Attribute of `self` that holds the number of its simulation."""
 
 
-class PerSimulationReward:
-    """The slow path that is always right: one call per simulation and step.
+class RewardRunner:
+    """Calls a reward once per simulation and control step.
 
     `self` is a copy of the robot's environment, so everything that the official class offers is
     there, on data of that simulation which can be read and not changed. What the reward keeps in
     `self` is its own, one per simulation, and gone when an episode ends.
-
-    Attributes:
-        terms: statistics of what the reward returned.
-        inherited: attributes of the environment that every `self` has.
-        data: of each simulation, read-only.
     """
 
     def __init__(
@@ -58,48 +56,53 @@ class PerSimulationReward:
             on_forces: called once the reward looks at forces that MuJoCo computes only when asked.
         """
         self._reward = reward
-        self.terms = TermRecord(len(data))
-        self.data = [read_only_data(one, on_forces) for one in data]
-        self.inherited = {name: _protect(value) for name, value in vars(environment).items()}
-        self.inherited["mujoco_renderer"] = None  # it holds the writable data
-        self.inherited["model"] = ReadOnly(environment.model)
+        self._terms = TermRecord()
+        self._health: list[Any] = [True] * len(data)
+        robot, self._health_type = _with_known_health(environment, self._health)
+        inherited = {name: _protect(value) for name, value in vars(environment).items()}
+        inherited["mujoco_renderer"] = None  # it holds the writable data
+        inherited["model"] = ReadOnly(environment.model, constant=True)
         self._fresh = [
-            {**self.inherited, "data": one, "_np_random": generator}
-            for one, generator in zip(self.data, generators, strict=True)
+            {
+                **inherited,
+                "data": read_only_data(one, on_forces),
+                "_np_random": generator,
+                _INDEX: index,
+            }
+            for index, (one, generator) in enumerate(zip(data, generators, strict=True))
         ]
-        self._selves = [object.__new__(type(environment)) for _ in data]
+        self._selves = [object.__new__(robot) for _ in data]
         for index in range(len(data)):
             self.reset(index)
 
-    def __call__(
-        self, simulations: Any, x_velocity: NDArray[np.floating[Any]], actions: Array
-    ) -> Array:
-        """Return rewards (n,). The slow path reads each simulation's data, not `simulations`."""
-        rewards = np.empty(len(self._selves))
-        for index in range(len(rewards)):
-            rewards[index], terms = self.one(index, x_velocity[index], actions[index])
-            self.terms.add(terms)
-        return rewards
+    def __call__(self, x_velocity: Array, actions: Array, healthy: NDArray[np.bool_]) -> Array:
+        """Return rewards (num_envs,) after a control step.
 
-    def one(
-        self, index: int, x_velocity: np.floating[Any], action: Array
-    ) -> tuple[float, Mapping[str, Any]]:
-        """Return reward and terms of simulation `index`, without recording them.
+        Args:
+            x_velocity: (num_envs,) in m/s.
+            actions: (num_envs, action_size); the reward may change them.
+            healthy: (num_envs,) what `self.is_healthy` says, where the robot has it.
 
         Raises:
             RewardFailed: with a diagnosis for the designer.
         """
-        try:
-            result = self._reward(self._selves[index], x_velocity, action)  # type: ignore[arg-type]
-        except (Exception, SystemExit) as error:
-            raise self._failed(
-                f"raised {self.explain(error)}", index, x_velocity, action
-            ) from error
-        if type(result) is tuple and len(result) == 2:
-            value, terms = as_number(result[0]), result[1]
-            if value is not None and math.isfinite(value) and isinstance(terms, Mapping):
-                return value, terms
-        raise self._failed(_fault(result), index, x_velocity, action)
+        self._health[:] = map(self._health_type, healthy)
+        reward, record, isfinite = self._reward, self._terms.add, math.isfinite
+        rewards = []
+        for robot, speed, action in zip(self._selves, x_velocity, actions, strict=True):
+            try:
+                result = reward(robot, speed, action)  # type: ignore[arg-type]
+            except (Exception, SystemExit) as error:
+                what = f"raised {self._explain(error)}"
+                raise self._failed(what, len(rewards), speed, action) from error
+            if type(result) is tuple and len(result) == 2:
+                value, terms = as_number(result[0]), result[1]
+                if value is not None and isfinite(value) and isinstance(terms, Mapping):
+                    rewards.append(value)
+                    record(terms)
+                    continue
+            raise self._failed(_fault(result), len(rewards), speed, action)
+        return np.array(rewards)
 
     def reset(self, index: int) -> None:
         """Forget what the reward kept in the `self` of simulation `index`."""
@@ -109,7 +112,11 @@ class PerSimulationReward:
 
     def statistics(self) -> dict[str, TermStatistics]:
         """Return mean, low and high of each term that was a finite number."""
-        return self.terms.statistics()
+        return self._terms.statistics()
+
+    def sums(self) -> dict[str, tuple[int, float]]:
+        """Return, for each term, how many finite values it had so far, and their sum."""
+        return self._terms.sums()
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the terms' statistics and what the reward keeps in each `self`.
@@ -118,28 +125,24 @@ class PerSimulationReward:
             RewardFailed: the reward keeps something that cannot be written down.
         """
         try:
-            kept = [reward_state.dump(self.kept(index)) for index in range(len(self._selves))]
+            kept = [reward_state.dump(self._kept(index)) for index in range(len(self._selves))]
         except TypeError as error:
             raise RewardFailed(f"The reward keeps state that cannot be saved: {error}.") from None
         return {
-            **self.terms.state(),
+            **self._terms.state(),
             "kept": np.frombuffer(b"".join(kept), np.uint8),
             "kept_sizes": np.array([len(text) for text in kept], np.int64),
         }
 
     def restore(self, state: dict[str, NDArray[Any]]) -> None:
         """Continue from what `state` returned."""
-        self.terms.restore(state)
+        self._terms.restore(state)
         ends = np.cumsum(state["kept_sizes"])
         for index, text in enumerate(np.split(state["kept"], ends[:-1])):
-            self.keep(index, reward_state.load(text.tobytes()))
+            self.reset(index)
+            vars(self._selves[index]).update(reward_state.load(text.tobytes()))
 
-    def keep(self, index: int, kept: Mapping[str, Any]) -> None:
-        """Let the `self` of simulation `index` hold `kept`, and nothing else of the reward's."""
-        self.reset(index)
-        vars(self._selves[index]).update(kept)
-
-    def kept(self, index: int) -> dict[str, Any]:
+    def _kept(self, index: int) -> dict[str, Any]:
         """Return what the reward keeps in the `self` of simulation `index`, by name."""
         fresh = self._fresh[index]
         own = vars(self._selves[index]).items()
@@ -157,7 +160,7 @@ class PerSimulationReward:
             numbers = ", ".join(f"{name} = {value}" for name, value in state.items())
         return RewardFailed(f"The reward {what} in the state {numbers}.")
 
-    def explain(self, error: BaseException) -> str:
+    def _explain(self, error: BaseException) -> str:
         """Return what an exception says, and in which line of the reward it arose."""
         code = getattr(inspect.unwrap(self._reward), "__code__", None)
         files = {REWARD_FILENAME, getattr(code, "co_filename", REWARD_FILENAME)}
@@ -171,6 +174,23 @@ class PerSimulationReward:
             return said
         filename, number = frames[-1]
         return f"{said} (line {number}: `{linecache.getline(filename, number).strip()}`)"
+
+
+def _with_known_health(
+    environment: RobotEnvironment, health: Sequence[Any]
+) -> tuple[type, Callable[[Any], Any]]:
+    """Return a robot's class whose `is_healthy` is read from `health`, and the type of its values.
+
+    The official property computes anew for one simulation what `VectorEnv` has just computed for
+    all of them, and most rewards ask for it. A class that does not say health for many
+    simulations at once keeps its own property.
+    """
+    robot = type(environment)
+    if not (robot.judges_health() and isinstance(getattr(robot, "is_healthy", None), property)):
+        return robot, bool
+    known = property(lambda self: health[getattr(self, _INDEX)])
+    attributes = {"is_healthy": known, "__module__": robot.__module__, "__doc__": robot.__doc__}
+    return type(robot.__name__, (robot,), attributes), type(environment.is_healthy)
 
 
 def _protect(value: Any) -> Any:

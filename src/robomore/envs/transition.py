@@ -13,11 +13,11 @@ class Transition:
     """What one control step of all simulations gave; finished ones have been reset already.
 
     Attributes:
-        observation: (n, observation_size) float64, after a reset where an episode ended.
-        reward: (n,) float64.
-        terminated: (n,) bool, the episode ended because the robot is unhealthy.
-        truncated: (n,) bool, the episode ended because its time was up.
-        final_observation: (n, observation_size) float64, before any reset: what to bootstrap from.
+        observation: (num_envs, observation_size) float64, after a reset where an episode ended.
+        reward: (num_envs,) float64.
+        terminated: (num_envs,) bool, the episode ended because the robot is unhealthy.
+        truncated: (num_envs,) bool, the episode ended because its time was up.
+        final_observation: (num_envs, observation_size) float64, before any reset: what to bootstrap from.
     """
 
     observation: NDArray[np.float64]

@@ -13,14 +13,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs.batched.reward import BatchedReward
 from robomore.envs.gather import Gather, Scatter
 from robomore.envs.random_state import generator_state, seed_generator, set_generator_state
+from robomore.envs.reward_runner import RewardRunner
 from robomore.envs.robots import environment_class
 from robomore.envs.robots.base import (
     Array,
     RewardFunction,
-    RobotEnvironment,
     all_of_each,
 )
 from robomore.envs.transition import Transition
@@ -42,27 +41,25 @@ TOLERATED_SHARE = 0.1
 
 
 class VectorEnv:
-    """`n` simulations of one body under one reward (a `VectorEnvProtocol`).
+    """`num_envs` simulations of one body under one reward (a `TrainingEnv`).
 
     A simulation whose physics diverges (numbers that are not finite, or beyond `DIVERGED`) ends its
     episode as terminated, in the starting pose: such a step moves nothing forward. Only when that
     happens again and again does `step` raise.
 
     Attributes:
-        n: simulations.
-        discount: what a reward one control step later is worth, as the task sees it.
-        deterministic_env_fraction: share of the simulations that the task wants to act without noise in training.
+        num_envs: environments that are stepped together.
         observation_size: numbers in an observation.
         action_size: motors.
         environment: one Gymnasium environment of this body, for its options and batched facts.
         data: MuJoCo's data of each simulation.
-        observation: (n, observation_size) what the next actions answer to.
-        physics_state: (n, nq + nv) positions and velocities now.
-        qpos: (n, nq) the positions in it.
-        qvel: (n, nv) the velocities in it.
-        cfrc_ext: (n, bodies, 6) contact forces after the last step, where anything asks for them.
-        healthy: (n,) bool after the last step.
-        diverged: (n,) bool, the physics diverged in the last step.
+        observation: (num_envs, observation_size) what the next actions answer to.
+        physics_state: (num_envs, nq + nv) positions and velocities now.
+        qpos: (num_envs, nq) the positions in it.
+        qvel: (num_envs, nv) the velocities in it.
+        cfrc_ext: (num_envs, bodies, 6) contact forces after the last step, where anything asks for them.
+        healthy: (num_envs,) bool after the last step.
+        diverged: (num_envs,) bool, the physics diverged in the last step.
         divergences: how often it did in all.
     """
 
@@ -70,11 +67,10 @@ class VectorEnv:
         self,
         task: Task,
         parameters: Sequence[float] | Mapping[str, float],
-        n: int,
+        num_envs: int,
         reward: RewardFunction | None = None,
         *,
         auto_reset: bool = True,
-        batched: bool = True,
         episode_seconds: float | None = None,
     ) -> None:
         """Build the simulations; `reset` or `reset_one` has to come before `step`.
@@ -82,12 +78,10 @@ class VectorEnv:
         Args:
             task: whose robot this is.
             parameters: of its body, in the task's order or by name.
-            n: simulations.
+            num_envs: environments that are stepped together.
             reward: called after every step; without one all rewards are 0.
             auto_reset: whether an ended episode is followed by the next one at once. Without it,
                 the caller starts episodes with `reset_one`.
-            batched: whether the reward may run for all simulations at once, where that gives the
-                same numbers.
             episode_seconds: time after which an episode is cut off, if that is before the task's
                 own; `None` for the task's own.
 
@@ -98,9 +92,7 @@ class VectorEnv:
         self.model: mujoco.MjModel = self.environment.model
         # A simulation that diverges shows it, instead of starting over in silence.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-        self.n = n
-        self.discount = task.discount
-        self.deterministic_env_fraction = task.deterministic_env_fraction
+        self.num_envs = num_envs
         self.action_size = int(self.model.nu)
         self.observation_size = sum(self.environment.observation_space.shape or ())
         self._frame_skip = int(self.environment.frame_skip)
@@ -110,10 +102,10 @@ class VectorEnv:
             self._steps = min(self._steps, max(1, round(episode_seconds / self._dt)))
         self._auto_reset = auto_reset
         self._terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
-        self._falls = type(self.environment).batch_healthy is not RobotEnvironment.batch_healthy
+        self._falls = self.environment.judges_health()
 
-        self.data = [mujoco.MjData(self.model) for _ in range(n)]
-        self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(n)]
+        self.data = [mujoco.MjData(self.model) for _ in range(num_envs)]
+        self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(num_envs)]
         self._controls = Scatter([one.ctrl for one in self.data])
         self._forces_needed = self.environment.observes_forces
         nq, nv = self.model.nq, self.model.nv
@@ -129,41 +121,34 @@ class VectorEnv:
         self.qpos = self.physics_state[:, :nq]
         self.qvel = self.physics_state[:, nq:]
         self._position: Array = self._rows.values[:, -1 if self._rows.width > nq + nv else 0]
-        self.cfrc_ext: Array = self._forces.values.reshape(n, -1, 6)
+        self.cfrc_ext: Array = self._forces.values.reshape(num_envs, -1, 6)
 
-        self.observation: Array = np.zeros((n, self.observation_size))
-        self.healthy = np.ones(n, np.bool_)
+        self.observation: Array = np.zeros((num_envs, self.observation_size))
+        self.healthy = np.ones(num_envs, np.bool_)
         self._now = 0  # control steps so far
-        self._began = np.zeros(n, np.int64)  # how many there were when each episode began
+        self._began = np.zeros(num_envs, np.int64)  # how many there were when each episode began
         self._left = 0  # steps in which surely no episode's time will be up
-        self._nowhere = np.zeros(n, np.bool_)
+        self._nowhere = np.zeros(num_envs, np.bool_)
         self._nowhere.flags.writeable = False
         self.diverged: NDArray[np.bool_] = self._nowhere
         self.divergences = 0
         self._episodes = 0
-        self._over = np.zeros(n, np.bool_)
+        self._over = np.zeros(num_envs, np.bool_)
         self._last_qpos: Array = self.qpos  # as the last step left it
-        self._runner: BatchedReward | None = None
+        self._runner: RewardRunner | None = None
         if reward is not None:
-            live = {"qpos": self.qpos, "qvel": self.qvel, "cfrc_ext": self.cfrc_ext}
-            self._runner = BatchedReward(
-                reward,
-                self.environment,
-                self.data,
-                self._generators,
-                self._need_forces,
-                live,
-                allowed=batched,
+            self._runner = RewardRunner(
+                reward, self.environment, self.data, self._generators, self._need_forces
             )
 
     @property
     def elapsed(self) -> NDArray[np.int64]:
-        """(n,) control steps done in each episode."""
+        """(num_envs,) control steps done in each episode."""
         return self._now - self._began
 
     @property
     def root_positions(self) -> Array:
-        """(n, 2) x and z of the torso in m, as the last step left them.
+        """(num_envs, 2) x and z of the torso in m, as the last step left them.
 
         An episode that starts by itself does not count: after a step that ended an episode these
         are its last positions, after `reset` and `reset_one` the first ones.
@@ -171,13 +156,11 @@ class VectorEnv:
         return self.environment.batch_root(self._last_qpos)
 
     def reset(self, seed: int) -> Array:
-        """Start all episodes anew; returns observations (n, observation_size).
+        """Start all episodes anew; returns observations (num_envs, observation_size).
 
         Each simulation draws from a random state of its own, derived from `seed` and its index.
         """
         self.observation = self.observation.copy()  # the last one belongs to the caller
-        if self._runner is not None:
-            self._runner.begin()
         for index, generator in enumerate(self._generators):
             seed_generator(generator, np.random.SeedSequence([seed, index]))
             self._begin(index)
@@ -197,7 +180,7 @@ class VectorEnv:
         return first
 
     def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
-        """Apply `actions` (n, action_size) in [-1, 1] for one control step.
+        """Apply `actions` (num_envs, action_size) in [-1, 1] for one control step.
 
         Raises:
             RewardFailed: the reward raised or was not a finite number.
@@ -205,9 +188,9 @@ class VectorEnv:
         """
         # A copy: whatever a reward does to its action stays there.
         applied: Array = np.array(actions, dtype=np.float64, order="C")
-        if applied.shape != (self.n, self.action_size):
+        if applied.shape != (self.num_envs, self.action_size):
             raise ValueError(
-                f"actions have the shape {applied.shape}, not {(self.n, self.action_size)}"
+                f"actions have the shape {applied.shape}, not {(self.num_envs, self.action_size)}"
             )
         before = self._position.copy()
         self._controls.write(applied)
@@ -223,19 +206,19 @@ class VectorEnv:
         final = self.environment.batch_observation(self.physics_state, self.cfrc_ext)
         if self._falls:
             self.healthy = self.environment.batch_healthy(self.physics_state)
-        terminated = ~self.healthy if self._terminates else np.zeros(self.n, np.bool_)
+        terminated = ~self.healthy if self._terminates else np.zeros(self.num_envs, np.bool_)
         if diverged:
             terminated |= self.diverged
         if self._runner is None:
-            reward = np.zeros(self.n)
+            reward = np.zeros(self.num_envs)
         else:
             x_velocity = (self._position - before) / self._dt
             if diverged:
                 x_velocity[self.diverged] = 0.0
-            reward = self._runner(self, x_velocity, applied)
+            reward = self._runner(x_velocity, applied, self.healthy)
         self._now += 1
         self._left -= 1
-        truncated, ended = np.zeros(self.n, np.bool_), terminated
+        truncated, ended = np.zeros(self.num_envs, np.bool_), terminated
         may_end = self._terminates or diverged
         if self._left <= 0:
             truncated = self.elapsed >= self._steps
@@ -252,12 +235,15 @@ class VectorEnv:
         """Return mean, low and high of each reward term over all steps so far."""
         return {} if self._runner is None else self._runner.statistics()
 
+    def reward_sums(self) -> dict[str, tuple[int, float]]:
+        """Return, for each reward term, how many finite values it had so far, and their sum."""
+        return {} if self._runner is None else self._runner.sums()
+
     def notes(self) -> tuple[str, ...]:
         """Return facts worth keeping about how these simulations ran."""
-        found = [] if self._runner is None else [self._runner.note]
-        if self.divergences:
-            found.append(f"the physics diverged in {self.divergences} of {self._episodes} episodes")
-        return tuple(found)
+        if not self.divergences:
+            return ()
+        return (f"the physics diverged in {self.divergences} of {self._episodes} episodes",)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything needed to continue bit-exactly, as arrays.
@@ -265,7 +251,7 @@ class VectorEnv:
         Raises:
             RewardFailed: the reward keeps something in `self` that cannot be written down.
         """
-        physics = np.empty((self.n, mujoco.mj_stateSize(self.model, _STATE)))
+        physics = np.empty((self.num_envs, mujoco.mj_stateSize(self.model, _STATE)))
         for data, row in zip(self.data, physics, strict=True):
             mujoco.mj_getState(self.model, data, row, _STATE)
         own = {

@@ -11,7 +11,7 @@ from tempfile import mkdtemp
 import msgspec
 
 from robomore.identity import content_key
-from robomore.sandbox.contain import Containment, run_contained
+from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.store.manifest import package_versions
 from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.warm import Shape
@@ -39,7 +39,7 @@ def compiled_trainer(shape: Shape, containment: Containment) -> Path | None:
         partial = Path(mkdtemp(prefix="partial-", dir=folder.parent))
     except OSError:
         return None
-    warmed = run_contained(
+    warmed = run_sandboxed(
         "robomore.training.warm:warm",
         msgspec.json.encode(shape),
         partial,

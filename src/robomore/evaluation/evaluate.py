@@ -23,7 +23,7 @@ from robomore.evaluation.measure import choose, measure
 from robomore.evaluation.request import Answer, Request, believed
 from robomore.evaluation.train import POLICIES
 from robomore.rewards.check import check_reward
-from robomore.sandbox.contain import Containment, run_contained
+from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.tasks import TASKS, Task
 from robomore.tasks.fingerprint import task_key
 from robomore.training.compilation import CACHE_VARIABLE
@@ -95,7 +95,7 @@ def _evaluate(
     robot = VectorEnv(task, parameters, 1)
     shape = Shape(job.trainer, robot.observation_size, robot.action_size)
     compiled = compiled_trainer(shape, containment)
-    trained = run_contained(
+    trained = run_sandboxed(
         "robomore.evaluation.train:train",
         msgspec.json.encode(request),
         scratch,

@@ -7,7 +7,8 @@ from itertools import islice
 
 import msgspec
 
-from robomore.sandbox.sanitize import plain
+from robomore.sandbox.sanitize import sanitize
+from robomore.training.curve import check_curve
 from robomore.types import Curve, Evaluation, Job, TermStatistics
 
 
@@ -52,6 +53,7 @@ class Training:
         steps: control steps done.
         terms: statistics of each reward term.
         notes: facts worth keeping.
+        curve: how training went.
     """
 
     steps: int
@@ -64,17 +66,22 @@ def believed(reply: bytes) -> Training:
     """Return what a child claims, cut to what fits a ledger and a page.
 
     Raises:
-        ValueError: it is no encoded `Training`.
+        ValueError: it is no encoded `Training`, or its learning curve breaks the bounds.
     """
     try:
         claimed = msgspec.json.decode(reply, type=Training)
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
+    curve = claimed.curve
+    if curve is not None:
+        check_curve(curve)
+        curve = Curve(curve.steps, {sanitize(name): curve.series[name] for name in curve.series})
     terms = islice(claimed.terms.items(), _MOST_TERMS)
     return Training(
         claimed.steps,
-        {plain(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
-        tuple(plain(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
+        {sanitize(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
+        tuple(sanitize(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
+        curve,
     )
 
 

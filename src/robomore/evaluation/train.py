@@ -37,19 +37,19 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     environment = VectorEnv(
         get_task(job.task),
         job.design.morphology.parameters,
-        settings.simulations,
+        settings.num_envs,
         load_reward(job.design.reward.source),
         episode_seconds=settings.episode_seconds,
     )
-    policies = make_trainer(job.trainer).train(
+    trained = make_trainer(job.trainer).train(
         environment,
         job.steps,
         job.seed,
         checkpoint=Path(request.checkpoint) if request.checkpoint else None,
         progress=report,
     )
-    for index, policy in enumerate(policies):
+    for index, policy in enumerate(trained.policies):
         policy.save(scratch / POLICIES.replace("*", f"{index:02}"))
     return msgspec.json.encode(
-        Training(job.steps, environment.reward_statistics(), environment.notes())
+        Training(job.steps, environment.reward_statistics(), environment.notes(), trained.curve)
     )

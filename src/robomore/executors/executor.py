@@ -1,4 +1,4 @@
-"""What the evaluator asks of an executor."""
+"""The interface of an executor: what it is given, and what it yields."""
 
 from __future__ import annotations
 
@@ -7,25 +7,26 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-Work = Callable[[bytes, Callable[[int], None]], bytes]
-"""A job's function: payload and a way to report progress in, reply out. Raises if broken."""
+JobFunction = Callable[[bytes, Callable[[int], None]], bytes]
+"""The function of a job. It takes a payload and a function that reports progress (units done), and
+returns a reply. If it raises, the job has failed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """The function returned."""
+    """The function returned `reply`."""
 
     reply: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class Failed:
-    """No reply came.
+    """There is no reply.
 
     Attributes:
-        reason: what happened, for people.
-        timed_out: the job used up its time.
-        unstarted: there was no process to run it, which is no fault of the job's.
+        reason: what happened, as text for people.
+        timed_out: whether the job exceeded its time limit.
+        unstarted: whether no process could be started for it, which is not the job's fault.
     """
 
     reason: str
@@ -35,16 +36,20 @@ class Failed:
 
 Outcome = Done | Failed
 Progress = Callable[[int, int], None]
-"""Told (job's index, units done); the first call for a job, with 0, says that it has started."""
+"""Called with (index of the job, units done). The first call for a job has 0: it has started."""
 
 
 def never() -> bool:
-    """Return `False`: the jobs are not to be stopped."""
+    """Return `False`: there is no reason to stop."""
     return False
 
 
 class Executor(Protocol):
-    """Runs jobs of one function."""
+    """Runs jobs.
+
+    Attributes:
+        workers: how many jobs run at once.
+    """
 
     workers: int
 
@@ -59,23 +64,23 @@ class Executor(Protocol):
         """Yield (index, outcome) of each payload as it finishes, in no particular order.
 
         Args:
-            function: `module:name` of a `Work` function.
-            payloads: one per job.
-            progress: told what goes on; called in this thread.
-            timeout: seconds after which a job is given up and its worker killed.
-            should_stop: asked before each job starts. Once it returns `True`, no further job
-                starts; jobs under way finish and are yielded, those that have not started are
-                not. It may be called from several threads at once.
+            function: `module:name` of a `JobFunction`.
+            payloads: one for each job.
+            progress: called in the thread that iterates, see `Progress`.
+            timeout: seconds after which a job is ended and counts as failed.
+            should_stop: called before each job starts, possibly from several threads at once.
+                Once it returns `True`, no further job starts: jobs that are running finish and
+                are yielded, jobs that have not started are not yielded.
         """
         ...
 
     def close(self) -> None:
-        """Stop all workers, whatever they do."""
+        """Stop all workers at once, also those that are running a job. May be called again."""
         ...
 
 
-def load(function: str) -> Work:
-    """Import `module:name`."""
+def load_function(function: str) -> JobFunction:
+    """Import `module:name` and return the function."""
     module, name = function.split(":")
-    work: Work = getattr(importlib.import_module(module), name)
-    return work
+    loaded: JobFunction = getattr(importlib.import_module(module), name)
+    return loaded

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Generator, Sequence
 from functools import partial
 
-from robomore.executors.executor import Done, Outcome, Progress, load, never
+from robomore.executors.executor import Done, Failed, Outcome, Progress, load_function, never
 
 
 class Inline:
-    """Runs jobs here. A job cannot be given up, so `timeout` has no effect."""
+    """Runs jobs in the calling process. It cannot end a job early, so `timeout` has no effect."""
 
     def __init__(self, workers: int = 1) -> None:
-        """Take one job at a time, whatever `workers` says."""
+        """Run one job at a time, whatever `workers` says."""
         self.workers = 1
 
     def map(
@@ -24,12 +25,16 @@ class Inline:
         should_stop: Callable[[], bool] = never,
     ) -> Generator[tuple[int, Outcome]]:
         """See `Executor.map`."""
-        work = load(function)
+        work = load_function(function)
         for index, payload in enumerate(payloads):
             if should_stop():
                 return
             progress(index, 0)
-            yield index, Done(work(payload, partial(progress, index)))
+            try:
+                outcome: Outcome = Done(work(payload, partial(progress, index)))
+            except Exception:  # noqa: BLE001  # the job's error is its outcome
+                outcome = Failed(traceback.format_exc())
+            yield index, outcome
 
     def close(self) -> None:
-        """Nothing to stop."""
+        """There is nothing to stop."""

@@ -1,4 +1,4 @@
-"""What parent and worker say to each other: one JSON object a line, never pickle."""
+"""The messages between an executor and its worker process: one JSON object a line, never pickle."""
 
 from __future__ import annotations
 
@@ -6,26 +6,26 @@ import msgspec
 
 
 class Call(msgspec.Struct, tag="call", frozen=True):
-    """Run `function` (`module:name`) on `payload`."""
+    """To the worker: run `function` (`module:name`) on `payload`."""
 
     function: str
     payload: bytes
 
 
 class Progressed(msgspec.Struct, tag="progress", frozen=True):
-    """The running job has done so many units."""
+    """From the worker: the running job has done so many units."""
 
     units: int
 
 
 class Replied(msgspec.Struct, tag="reply", frozen=True):
-    """The function returned."""
+    """From the worker: the function returned."""
 
     reply: bytes
 
 
 class Raised(msgspec.Struct, tag="raised", frozen=True):
-    """The function raised, which it should not."""
+    """From the worker: the function raised an exception."""
 
     traceback: str
 

@@ -23,20 +23,21 @@ _INHERITED = (
     *("PATH", "HOME", "TMPDIR", "TZ", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH"),
     *("XDG_CACHE_HOME", "ROBOMORE_CACHE"),
 )
-"""What a worker sees of the parent's environment: enough to start Python, and no key."""
+"""The environment variables that a worker inherits: enough to start Python, and no API key."""
 _LOG_TAIL = 2000
 
 _Message = tuple[int, int | Outcome] | Exception | None
-"""(job's index, units done or outcome); at a slot's end what it failed with, or `None`."""
+"""From a slot: (index of the job, units done or outcome); at its end its error, or `None`."""
 
 
 class Processes:
-    """A fixed number of worker processes, kept from batch to batch and replaced when they die."""
+    """A fixed number of worker processes that are reused, and replaced when they die."""
 
     def __init__(self, workers: int) -> None:
-        """Prepare `workers` slots; their processes start with their first job."""
+        """Prepare `workers` slots. The process of each starts with its first job."""
         self.workers = workers
         self._slots = [_Slot() for _ in range(workers)]
+        self._closed = False
 
     def map(
         self,
@@ -47,14 +48,16 @@ class Processes:
         should_stop: Callable[[], bool] = never,
     ) -> Generator[tuple[int, Outcome]]:
         """See `Executor.map`. Interrupting the iteration kills all workers."""
-        waiting: queue.SimpleQueue[tuple[int, bytes]] = queue.SimpleQueue()
+        if self._closed:
+            raise RuntimeError("the executor is closed; make a new one")
+        jobs: queue.SimpleQueue[tuple[int, bytes]] = queue.SimpleQueue()
         for job in enumerate(payloads):
-            waiting.put(job)
-        said: queue.SimpleQueue[_Message] = queue.SimpleQueue()
+            jobs.put(job)
+        messages: queue.SimpleQueue[_Message] = queue.SimpleQueue()
         threads = [
             threading.Thread(
                 target=slot.serve,
-                args=(function, waiting, said, timeout, should_stop),
+                args=(function, jobs, messages, timeout, should_stop),
                 daemon=True,
             )
             for slot in self._slots[: len(payloads)]
@@ -65,17 +68,17 @@ class Processes:
         finished = False
         try:
             while serving:
-                message = said.get()
+                message = messages.get()
                 if message is None:
                     serving -= 1
                 elif isinstance(message, Exception):
                     raise message
                 else:
-                    index, news = message
-                    if isinstance(news, int):
-                        progress(index, news)
+                    index, update = message
+                    if isinstance(update, int):
+                        progress(index, update)
                     else:
-                        yield index, news
+                        yield index, update
             finished = True
         finally:
             if not finished:
@@ -85,6 +88,7 @@ class Processes:
 
     def close(self) -> None:
         """See `Executor.close`."""
+        self._closed = True
         for slot in self._slots:
             slot.close()
 
@@ -101,40 +105,42 @@ class _Slot:
     def serve(
         self,
         function: str,
-        waiting: queue.SimpleQueue[tuple[int, bytes]],
-        said: queue.SimpleQueue[_Message],
+        jobs: queue.SimpleQueue[tuple[int, bytes]],
+        messages: queue.SimpleQueue[_Message],
         timeout: float,
         should_stop: Callable[[], bool],
     ) -> None:
-        """Take jobs until none waits. Every job taken gets an outcome, whatever happens."""
+        """Run jobs until none is left. Every job that was taken gets an outcome."""
         failure = None
         try:
             while not self._closed and not should_stop():
-                index, payload = waiting.get_nowait()
-                said.put((index, 0))
-                said.put((index, self._outcome(Call(function, payload), index, said, timeout)))
+                index, payload = jobs.get_nowait()
+                messages.put((index, 0))
+                messages.put(
+                    (index, self._outcome(Call(function, payload), index, messages, timeout))
+                )
         except queue.Empty:
             pass  # all jobs have been taken
         except Exception as error:  # noqa: BLE001  # raised again by `map`
             failure = error
-        said.put(failure)
+        messages.put(failure)
 
     def close(self) -> None:
-        """Kill the worker, and with it whatever it started."""
+        """Kill the worker and all processes that it started."""
         with self._lock:
             self._closed = True
         self._kill()
 
     def _outcome(
-        self, call: Call, index: int, said: queue.SimpleQueue[_Message], timeout: float
+        self, call: Call, index: int, messages: queue.SimpleQueue[_Message], timeout: float
     ) -> Outcome:
         try:
-            return self._run(call, index, said, timeout)
-        except Exception as error:  # noqa: BLE001  # or it would be waited for for ever
+            return self._run(call, index, messages, timeout)
+        except Exception as error:  # noqa: BLE001  # the job needs an outcome, or `map` would wait forever
             return Failed(f"the worker process could not be used ({error})", unstarted=True)
 
     def _run(
-        self, call: Call, index: int, said: queue.SimpleQueue[_Message], timeout: float
+        self, call: Call, index: int, messages: queue.SimpleQueue[_Message], timeout: float
     ) -> Outcome:
         process = self._started()
         assert process.stdin is not None and process.stdout is not None
@@ -147,7 +153,7 @@ class _Slot:
             for line in process.stdout:
                 reply = msgspec.json.decode(line, type=Reply)
                 if isinstance(reply, Progressed):
-                    said.put((index, reply.units))
+                    messages.put((index, reply.units))
                 elif isinstance(reply, Replied):
                     return Done(reply.reply)
                 else:
@@ -158,13 +164,13 @@ class _Slot:
             deadline.cancel()
         code = process.wait()
         if time.monotonic() - began >= timeout:
-            return Failed(f"gave up after {timeout:.0f} s", timed_out=True)
+            return Failed(f"not finished after {timeout:.0f} s", timed_out=True)
         return Failed(f"the worker process {_how_it_ended(code)}{self._tail()}")
 
     def _started(self) -> subprocess.Popen[bytes]:
         with self._lock:
             if self._closed:
-                raise OSError("the run is being stopped")
+                raise OSError("the executor is closed")
             if self._process is None or self._process.poll() is not None:
                 self._log = tempfile.TemporaryFile()  # noqa: SIM115  # lives as long as the worker
                 self._process = subprocess.Popen(
@@ -194,7 +200,7 @@ class _Slot:
         size = self._log.seek(0, os.SEEK_END)
         self._log.seek(max(0, size - _LOG_TAIL))
         text = self._log.read().decode(errors="replace").strip()
-        return f"; it last said: {text}" if text else ""
+        return f"; its last output: {text}" if text else ""
 
 
 def _environment() -> dict[str, str]:

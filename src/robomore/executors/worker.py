@@ -1,4 +1,4 @@
-"""The worker process: reads calls from standard input, one a line, answers on standard output."""
+"""The worker process: reads calls from standard input and writes replies to standard output."""
 
 from __future__ import annotations
 
@@ -10,33 +10,35 @@ import traceback
 
 import msgspec
 
-from robomore.executors.executor import load
+from robomore.executors.executor import load_function
 from robomore.executors.messages import Call, Progressed, Raised, Replied, Reply
 
 
 def main() -> None:
-    """Serve until standard input closes, which it does when the parent ends, however it ends."""
-    # Whatever a library prints must not get between the answers.
-    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    """Run calls until standard input closes, which happens when the parent ends for any reason."""
+    # What a library prints must not get between the replies, so it goes to standard error.
+    replies = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)
 
-    def say(reply: Reply) -> None:
-        answers.write(msgspec.json.encode(reply) + b"\n")
+    def send(reply: Reply) -> None:
+        replies.write(msgspec.json.encode(reply) + b"\n")
 
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(calls,), daemon=True).start()
     while True:
         call = msgspec.json.decode(calls.get(), type=Call)
         try:
-            reply = load(call.function)(call.payload, lambda units: say(Progressed(units)))
+            reply = load_function(call.function)(
+                call.payload, lambda units: send(Progressed(units))
+            )
         except Exception:  # noqa: BLE001  # the whole traceback goes to the parent
-            say(Raised(traceback.format_exc()))
+            send(Raised(traceback.format_exc()))
         else:
-            say(Replied(reply))
+            send(Replied(reply))
 
 
 def _listen(calls: queue.SimpleQueue[bytes]) -> None:
-    """Pass calls on; when the parent is gone, end at once and do not finish work nobody awaits."""
+    """Pass calls on; when the parent is gone, end at once instead of finishing the job."""
     for line in sys.stdin.buffer:
         calls.put(line)
     os._exit(1)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 
-from robomore.sandbox.contain import Containment
-from robomore.sandbox.layers import ensure, missing
-from robomore.sandbox.lock import Layer
+from robomore.sandbox.call import Containment
+from robomore.sandbox.layers import ensure
+from robomore.sandbox.restrictions import Layer, missing
 
 log = logging.getLogger(__name__)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
@@ -18,10 +19,13 @@ from robomore.events import Observer, Spent
 from robomore.llm import BudgetedClient, MemoryLog, ReplayModel, Spending
 from robomore.rendering.snapshots import pictures
 from robomore.rewards.dry_run import DryRun
-from robomore.sandbox.contain import Containment
+from robomore.sandbox.call import Containment
 from robomore.store import LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import Task
+from robomore.training.policy import POLICY, MLPPolicy
 from robomore.types import Evaluation
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +86,7 @@ def choose_designer(
             BudgetedClient(model.model, log, model.budget, watch),
             model.settings,
             objective=objective,
-            rehearse=DryRun(task, folder.scratch, containment),
+            dry_run=DryRun(task, folder.scratch, containment),
             pictures=partial(_pictures, task, folder.artifacts) if model.vision else None,
         )
 
@@ -121,4 +125,11 @@ def _recorded(replay: Replay) -> LanguageModel:
 
 
 def _pictures(task: Task, artifacts: Path, evaluation: Evaluation) -> list[bytes]:
-    return pictures(task, evaluation, artifacts)
+    """Return pictures of a measured design; how it moves only if its policy can be read."""
+    parameters, act = evaluation.design.morphology.parameters, None
+    if evaluation.artifact:
+        try:
+            act = MLPPolicy.load(artifacts / evaluation.artifact / POLICY).act
+        except (OSError, ValueError) as error:
+            log.warning("no picture of how it moves: %s", error)
+    return pictures(task, parameters, act, evaluation.job.seed)

@@ -1,9 +1,9 @@
-"""Language models behind one small port, and the record of every exchange with them.
+"""Language models behind one small interface, and the log of every exchange with them.
 
-A `ChatModel` answers a `Request` with a `Completion`. A `BudgetedClient` is the one way to it: an
-exchange that the log already holds is not paid for again, a new one is counted against the budget
-and written down before anybody looks at it. This package knows no tasks and no robots, and imports
-no provider's library until a model is connected.
+A `ChatModel` answers a `Request` with a `Completion`. The designer uses it only through a
+`BudgetedClient`: an exchange that the log already holds is not paid for again, and a new one is
+counted against the budget and logged before it is read. This package knows nothing of tasks and
+robots. It imports no provider's library before `connect` is called.
 """
 
 from robomore.llm.budgeted_client import BudgetedClient, ModelBudget

@@ -1,4 +1,4 @@
-"""The one way to a model: nothing is paid twice, nothing is lost, and a budget is kept."""
+"""The only way to a model: it pays for nothing twice, loses no answer, and keeps to a budget."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 
 from robomore.errors import BudgetExhausted, InputError
@@ -19,13 +19,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class ModelBudget:
-    """What a run may spend on a model in all, interruptions included. `None` is no limit.
+    """What a whole run may spend on a model, over all interruptions. `None` is no limit.
 
     Attributes:
-        requests: sent, those in vain included; kept to the last one.
-        tokens: in and out. The prompt's estimate is counted before it is sent, so the limit can be
-            passed by the length of an answer at most (of each answer under way).
-        cost: in US dollars; kept like `tokens`.
+        requests: requests that are sent, failed ones included. This limit is never passed.
+        tokens: input and output tokens. The prompt is counted before it is sent, so one answer (or
+            one answer of each parallel request) can pass the limit.
+        cost: in US dollars. It is kept like `tokens`.
     """
 
     requests: int | None = None
@@ -34,7 +34,7 @@ class ModelBudget:
 
 
 class BudgetedClient:
-    """A model, the log of what was said to it, and a budget."""
+    """A model with a log of all exchanges and a budget. Several threads may use it at once."""
 
     def __init__(
         self,
@@ -43,22 +43,22 @@ class BudgetedClient:
         budget: ModelBudget | None = None,
         watch: Callable[[Spending], None] = lambda spent: None,
     ) -> None:
-        """Make the one way to a model.
+        """Make a client.
 
         Args:
-            model: that is asked.
+            model: the model that answers.
             log: where exchanges are kept.
-            budget: that may be spent; without limits by default.
-            watch: told after each answer what has been spent so far, from any thread.
+            budget: what may be spent, by default without limits.
+            watch: is called after each answer with what was spent so far, from any thread.
 
         Raises:
-            InputError: a cost limit for a model whose price nobody knows.
+            InputError: the budget limits the cost of a model without a known price.
         """
         self._model = model
         self._log = log
         self._watch = watch
         self._budget = budget or ModelBudget()
-        self._under_way: list[_Asking] = []
+        self._pending: list[_PendingRequest] = []
         self._lock = threading.Lock()
         if self._budget.cost is not None and model.cost(1000, 1000) is None:
             raise InputError(
@@ -71,17 +71,12 @@ class BudgetedClient:
     def model(self) -> ChatModel:
         return self._model
 
-    def spent(self) -> Spending:
-        """Return what the run has spent so far."""
-        with self._lock:
-            return self._log.spent()
-
     def ask(self, request: Request) -> Exchange:
-        """Return the exchange of `request`: the kept one, or a new one that is kept at once.
+        """Return the exchange of `request` from the log, or ask the model and log the exchange.
 
         Raises:
             BudgetExhausted: the budget does not allow another request.
-            InputError: the model can never be asked like this.
+            InputError: the request can never succeed.
             ModelUnavailable: the model did not answer.
         """
         key = exchange_key(self._model.name, request)
@@ -89,27 +84,20 @@ class BudgetedClient:
             kept = self._log.find(key)
         if kept is not None:
             return kept
-        with self._reserved(request) as asking:
-            completion = self._model.complete(request, partial(self._send, asking))
+        with self._reserved(request) as pending:
+            completion = self._model.complete(request, partial(self._send, pending))
+            # JSON can hold a lone surrogate, which UTF-8 cannot encode.
+            reply = completion.reply.encode("utf-8", "replace").decode("utf-8")
             exchange = Exchange(
+                **asdict(replace(completion, reply=reply)),
                 key=key,
                 slot=request.slot,
                 repair=request.repair,
                 model=self._model.name,
                 messages=request.messages,
                 sampling=request.sampling,
-                # A lone surrogate can come out of any JSON and goes into no UTF-8 file.
-                reply=completion.text.encode("utf-8", "replace").decode("utf-8"),
-                truncated=completion.truncated,
-                input_tokens=completion.input_tokens,
-                output_tokens=completion.output_tokens,
-                cost=completion.cost,
-                seconds=completion.seconds,
-                tries=completion.tries,
-                structured=completion.structured,
-                findings=completion.verdict,
             )
-            # Kept before anybody reads it: whatever happens next, it is not paid for again.
+            # The exchange is logged before anything else can fail, so nobody pays for it again.
             with self._lock:
                 self._log.add(exchange)
                 spent = self._log.spent()
@@ -124,40 +112,39 @@ class BudgetedClient:
         )
         return exchange
 
-    def judge(self, exchange: Exchange, findings: Sequence[str]) -> None:
-        """Write down what was wrong with an exchange's reply; nothing if it was accepted."""
-        if exchange.findings != tuple(findings):
+    def set_errors(self, exchange: Exchange, errors: Sequence[str]) -> None:
+        """Log the validation errors of an exchange's reply, none for an accepted reply."""
+        if exchange.validation_errors != tuple(errors):
             with self._lock:
-                self._log.judge(exchange.key, findings)
+                self._log.set_errors(exchange.key, errors)
 
     @contextmanager
-    def _reserved(self, request: Request) -> Iterator[_Asking]:
-        """Count a prompt as spent while it is under way, so that parallel ones see it."""
+    def _reserved(self, request: Request) -> Iterator[_PendingRequest]:
+        """Count the prompt as spent until the answer is there, so that parallel requests see it."""
         prompt = estimate_prompt(request.messages)
-        asking = _Asking(request, prompt, self._model.cost(prompt, 0) or 0.0)
+        pending = _PendingRequest(request, prompt, self._model.cost(prompt, 0) or 0.0)
         with self._lock:
-            self._check(asking)
-            self._under_way.append(asking)
+            self._check(pending)
+            self._pending.append(pending)
         try:
-            yield asking
+            yield pending
         finally:
             with self._lock:
-                self._under_way.remove(asking)
+                self._pending.remove(pending)
 
-    def _send(self, asking: _Asking) -> None:
-        """Write down that a request is being sent, or refuse it.
+    def _send(self, pending: _PendingRequest) -> None:
+        """Log that a request is being sent, or raise `BudgetExhausted`.
 
-        Written before it is sent, so that one in vain is counted whatever ends it.
+        It is logged before it is sent, so that a request without an answer is counted too.
         """
         with self._lock:
-            self._check(asking)
-            self._log.sent(asking.request)
+            self._check(pending)
+            self._log.sent(pending.request)
 
-    def _check(self, asking: _Asking) -> None:
+    def _check(self, pending: _PendingRequest) -> None:
         spent = self._log.spent()
-        others = [other for other in self._under_way if other is not asking]
-        planned = [asking, *others]
-        for option, limit, total, what in (
+        planned = [pending, *(other for other in self._pending if other is not pending)]
+        for option, limit, total, unit in (
             ("--max-requests", self._budget.requests, spent.requests + 1, "requests"),
             (
                 "--max-tokens",
@@ -174,15 +161,15 @@ class BudgetedClient:
         ):
             if limit is not None and total > limit:
                 raise BudgetExhausted(
-                    f"the budget of {limit:g} {what} does not allow another request (so far: "
+                    f"the budget of {limit:g} {unit} does not allow another request (so far: "
                     f"{spent.requests} requests, {spent.tokens} tokens, ${spent.cost:.2f}); "
                     f"nothing is lost: run the same command with a larger {option} to go on"
                 )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Asking:
-    """A request under way: what its prompt takes at least."""
+class _PendingRequest:
+    """A request without an answer yet, and what its prompt takes in tokens and US dollars."""
 
     request: Request
     tokens: int

@@ -1,4 +1,4 @@
-"""A model reached through pydantic-ai's model classes, without its agents."""
+"""A model of any provider, through the model classes of pydantic-ai (not through its agents)."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from pydantic_ai.output import OutputObjectDefinition
 from pydantic_ai.settings import ModelSettings
 
 from robomore.errors import InputError
-from robomore.llm.faults import FAULTS, SchemaRefused, translate
-from robomore.llm.model import Completion, Message, Request, Sampling, unasked
-from robomore.llm.retry import RetryPolicy, persist
+from robomore.llm.errors import LIBRARY_ERRORS, SchemaRefused, translate
+from robomore.llm.model import Completion, Message, Request, Sampling, do_nothing
+from robomore.llm.retry import RetryPolicy, retry
 from robomore.llm.tokens import estimate_prompt, estimate_tokens
 
 _log = logging.getLogger(__name__)
@@ -39,11 +39,11 @@ _log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 
-class LibraryModel:
+class PydanticAIModel:
     """A `ChatModel` on one of pydantic-ai's model classes.
 
-    A JSON schema is handed to the provider until it refuses one; from then on the form is asked
-    for in words alone, which the prompt does anyway.
+    It sends a JSON schema until the provider refuses one. After that the prompt alone asks for the
+    form of the answer.
     """
 
     def __init__(
@@ -51,46 +51,52 @@ class LibraryModel:
         name: str,
         model: Model,
         price: tuple[float, float] | None,
-        patience: RetryPolicy,
+        retry_policy: RetryPolicy,
         sleep: Callable[[float], object] = time.sleep,
     ) -> None:
-        """Wrap `model`. `price` is in US dollars per million tokens, in and out."""
+        """Wrap `model`. `price` is in US dollars per million input and output tokens."""
         self.name = name
         self._model = model
         self._price = price
-        self._patience = patience
+        self._retry_policy = retry_policy
         self._sleep = sleep
         self._schemas = True
         self._loop = _Loop()
 
-    def complete(self, request: Request, sending: Callable[[], None] = unasked) -> Completion:
-        """Answer (see `ChatModel.complete`)."""
+    def complete(
+        self, request: Request, before_send: Callable[[], None] = do_nothing
+    ) -> Completion:
+        """Return the answer to `request` (see `ChatModel.complete`)."""
         started = time.monotonic()
         structured = request.schema is not None and self._schemas
         tries = 0
 
         def once(structured: bool) -> ModelResponse:
             nonlocal tries
-            sending()
+            before_send()
             tries += 1
             return self._once(request, structured)
 
         try:
-            response = persist(lambda: once(structured), self._patience, self._sleep)
+            response = retry(lambda: once(structured), self._retry_policy, self._sleep)
         except SchemaRefused as refused:
-            # Only an answer without the schema shows that the schema was what it refused.
-            response = persist(lambda: once(False), self._patience, self._sleep)
+            # An answer without the schema shows that the provider refused the schema itself.
+            response = retry(lambda: once(False), self._retry_policy, self._sleep)
             structured = self._schemas = False
-            _log.warning("%s takes no JSON schema (%s); asking in words", self.name, refused)
+            _log.warning(
+                "%s takes no JSON schema (%s); the prompt alone asks for the form",
+                self.name,
+                refused,
+            )
         return self._completion(request, response, tries, structured, started)
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
-        """Return the price of so many tokens in US dollars, `None` where no price is known."""
+        """Return the price of so many tokens in US dollars, or `None` if no price is known."""
         if self._price is not None:
             return (input_tokens * self._price[0] + output_tokens * self._price[1]) / 1e6
         usage = Usage(input_tokens=input_tokens, output_tokens=output_tokens)
         name, url, system = self._model.model_name, self._model.base_url, self._model.system
-        # The URL says best who sends the bill; behind a proxy, the provider's name has to do.
+        # The URL names the provider best. Behind a proxy, the provider's name is all there is.
         for where in ({"provider_api_url": url}, {"provider_id": system}):
             try:
                 return float(calc_price(usage, name, **where).total_price)
@@ -113,21 +119,21 @@ class LibraryModel:
     def _translated(self, structured: bool) -> Iterator[None]:
         try:
             yield
-        except FAULTS as error:
+        except LIBRARY_ERRORS as error:
             raise translate(error, self.name, str(self._model.base_url), structured) from None
         except UserError as error:
-            # The library knows beforehand that this model takes no schema, or no pictures.
+            # The library knows in advance that this model takes no schema, or no pictures.
             if structured:
                 raise SchemaRefused(str(error)) from None
             raise InputError(f"{self.name} cannot be asked like this: {error}") from None
 
     def _settings(self, sampling: Sampling) -> ModelSettings:
         settings: dict[str, Any] = {
-            "timeout": self._patience.seconds,
-            "request_timeout": self._patience.seconds,
-            # Trying again is counted and bounded here, not a second time below.
+            "timeout": self._retry_policy.timeout,
+            "request_timeout": self._retry_policy.timeout,
+            # Retries are counted and bounded by `retry`, so the library must not retry too.
             "max_retries": 0,
-            # Providers that keep conversations for their own use are asked not to.
+            # Asks OpenAI not to store the conversation.
             "openai_store": False,
             "temperature": sampling.temperature,
             "max_tokens": sampling.max_output_tokens,
@@ -153,13 +159,13 @@ class LibraryModel:
             output_tokens = estimate_tokens(text)
         cost = self.cost(input_tokens, output_tokens)
         if self._price is None and cost is not None and not usage.unmeasured_requests:
-            # Cached input has a price of its own, which only the whole usage tells.
+            # Cached input has its own price, which only the full usage shows.
             try:
                 cost = float(response.cost().total_price)
             except (LookupError, ValueError):
                 _log.debug("no exact price for this answer of %s", self.name)
         return Completion(
-            text=text,
+            reply=text,
             truncated=response.finish_reason == "length",
             input_tokens=input_tokens,
             output_tokens=output_tokens,
@@ -171,10 +177,10 @@ class LibraryModel:
 
 
 class _Loop:
-    """An event loop in a thread of its own.
+    """An event loop in its own thread.
 
-    The library's connections live in one loop, while requests come from any thread, also from one
-    with a running loop of its own (a notebook).
+    The library's connections belong to one loop. Requests come from any thread, even from one that
+    already runs a loop, as in a notebook.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Exchanges: what was asked, what was answered, what it cost, and what was wrong with it."""
+"""Exchanges with a model: the request, the answer, its cost, and the errors found in it."""
 
 from __future__ import annotations
 
@@ -9,31 +9,18 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from robomore.identity import content_key
-from robomore.llm.model import Message, Request, Sampling
+from robomore.llm.model import Completion, Message, Request, Sampling
 from robomore.types import Slot
 
 
-@dataclass(frozen=True, slots=True)
-class Exchange:
-    """One request that was answered, as it stands in the ledger.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exchange(Completion):
+    """A completion with what was asked, as the ledger keeps it.
 
     Attributes:
-        key: content key of slot, repair, model, sampling and messages.
-        slot: which proposal it was for.
-        repair: 0, or how many answers in the same slot were sent back before.
-        model: the model's name.
-        messages: all that was sent.
-        sampling: settings of the answer.
-        reply: the answer, as it came.
-        truncated: the provider cut it off.
-        input_tokens: counted by the provider, or an estimate.
-        output_tokens: likewise.
-        cost: in US dollars; `None` where no price is known.
-        seconds: it took.
-        tries: requests sent until one succeeded; 0 for a recording.
-        structured: the provider enforced the schema.
-        findings: what was wrong with the reply: empty if it was accepted, `None` while nobody has
-            judged it.
+        key: content key of the slot, repair, model, sampling and messages.
+        slot: slot of the `Request`; so are `repair`, `messages` and `sampling`.
+        model: name of the model.
     """
 
     key: str
@@ -42,26 +29,17 @@ class Exchange:
     model: str
     messages: tuple[Message, ...]
     sampling: Sampling
-    reply: str
-    truncated: bool = False
-    input_tokens: int = 0
-    output_tokens: int = 0
-    cost: float | None = None
-    seconds: float = 0.0
-    tries: int = 1
-    structured: bool = False
-    findings: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Spending:
-    """What exchanges took together.
+    """What a number of exchanges took in all.
 
     Attributes:
-        requests: answered, and tried in vain on the way.
-        tokens: in and out.
-        cost: in US dollars, of the exchanges whose price is known.
-        unpriced: exchanges whose price is not known.
+        requests: requests that were sent, those that failed included.
+        tokens: input and output tokens.
+        cost: in US dollars, of the exchanges with a known price.
+        unpriced: number of exchanges without a known price.
     """
 
     requests: int = 0
@@ -82,11 +60,11 @@ class Spending:
         return cls(requests, tokens, cost, unpriced)
 
     def sent(self, requests: int) -> Spending:
-        """Return the same with all requests that were sent, if some were never answered."""
+        """Return the same spending with the requests that were sent, answered or not."""
         return replace(self, requests=max(self.requests, requests))
 
     def __add__(self, other: Spending) -> Spending:
-        """Return both together."""
+        """Return the sum of both."""
         return Spending(
             self.requests + other.requests,
             self.tokens + other.tokens,
@@ -96,22 +74,22 @@ class Spending:
 
 
 class ExchangeLog(Protocol):
-    """Remembers exchanges. Called under one lock, but from whichever thread asks a model."""
+    """Keeps exchanges. `BudgetedClient` calls it under one lock, but from several threads."""
 
     def find(self, key: str) -> Exchange | None:
-        """Return the exchange of that key."""
+        """Return the exchange with that key, or `None`."""
         ...
 
     def sent(self, request: Request) -> None:
-        """Count a request that is about to be sent, whatever becomes of it."""
+        """Count a request that is about to be sent, whether or not an answer comes."""
         ...
 
     def add(self, exchange: Exchange) -> None:
-        """Keep a new exchange; it survives the process being killed once this returns."""
+        """Keep a new exchange. It survives a killed process as soon as this returns."""
         ...
 
-    def judge(self, key: str, findings: Sequence[str]) -> None:
-        """Set the findings of a kept exchange."""
+    def set_errors(self, key: str, errors: Sequence[str]) -> None:
+        """Set the validation errors of the exchange with that key."""
         ...
 
     def all(self) -> Sequence[Exchange]:
@@ -119,12 +97,12 @@ class ExchangeLog(Protocol):
         ...
 
     def spent(self) -> Spending:
-        """Return what all exchanges took together, and requests that were never answered."""
+        """Return what all exchanges took, requests without an answer included."""
         ...
 
 
 class MemoryLog:
-    """An `ExchangeLog` that lasts as long as the process."""
+    """An `ExchangeLog` in memory."""
 
     def __init__(self, exchanges: Iterable[Exchange] = ()) -> None:
         self._exchanges = {exchange.key: exchange for exchange in exchanges}
@@ -142,10 +120,10 @@ class MemoryLog:
         with self._lock:
             self._exchanges[exchange.key] = exchange
 
-    def judge(self, key: str, findings: Sequence[str]) -> None:
+    def set_errors(self, key: str, errors: Sequence[str]) -> None:
         with self._lock:
             kept = self._exchanges[key]
-            self._exchanges[key] = dataclasses.replace(kept, findings=tuple(findings))
+            self._exchanges[key] = dataclasses.replace(kept, validation_errors=tuple(errors))
 
     def all(self) -> list[Exchange]:
         return list(self._exchanges.values())
@@ -155,10 +133,11 @@ class MemoryLog:
 
 
 def exchange_key(model: str, request: Request) -> str:
-    """Return the key under which the answer to `request` is kept.
+    """Return the content key under which the answer to `request` is kept.
 
-    Pictures are left out: two machines draw the same body in slightly different pixels, and what
-    they show stands in the text as well. So is the schema, which follows from the task.
+    The key leaves out pictures: two machines draw the same morphology with slightly different
+    pixels, and the text says what the pictures show. It also leaves out the schema, which follows
+    from the task.
     """
     said = [(message.role, message.text) for message in request.messages]
     return content_key("exchange", request.slot, request.repair, model, request.sampling, said)

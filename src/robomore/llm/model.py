@@ -1,4 +1,4 @@
-"""The port to a language model: a request goes in, a completion comes out."""
+"""The interface to a language model: a request goes in, a completion comes out."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from robomore.types import Slot
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """One turn of a conversation.
+    """One message of a conversation.
 
     Attributes:
         role: who speaks.
         text: what is said.
-        images: PNG files that go with it, for models that can see.
+        images: PNG files that go with the text, for models that can see.
     """
 
     role: Literal["system", "user", "assistant"]
@@ -26,12 +26,12 @@ class Message:
 
 @dataclass(frozen=True, slots=True)
 class Sampling:
-    """How a model is asked to answer. `None` leaves a setting to the provider.
+    """Sampling settings of an answer. `None` leaves a setting to the provider.
 
     Attributes:
-        temperature: of the sampling; many reasoning models refuse to be told.
-        max_output_tokens: where an answer is cut off.
-        seed: of the sampling; few providers promise anything for it.
+        temperature: sampling temperature. Many reasoning models refuse it.
+        max_output_tokens: length in tokens at which the provider cuts an answer off.
+        seed: sampling seed. Few providers promise anything for it.
         effort: how long a reasoning model may think.
     """
 
@@ -43,15 +43,15 @@ class Sampling:
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """One question, with its place in a run.
+    """One question to a model, with the slot of the run that it belongs to.
 
     Attributes:
-        slot: which proposal it is for; models ignore it, recordings are found by it.
-        repair: 0, or how many answers in the same slot were sent back before.
+        slot: the proposal that is asked for. Models ignore it; recordings are found by it.
+        repair: how many answers for the same slot were sent back before this request.
         messages: the whole conversation so far.
         schema: JSON schema that a provider may enforce. The messages describe the same form in
-            words, so a provider without schemas is asked with the same messages.
-        sampling: settings of the answer.
+            words, so a provider without schemas gets the same messages.
+        sampling: sampling settings of the answer.
     """
 
     slot: Slot
@@ -63,22 +63,22 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Completion:
-    """What a model answered, and what it took.
+    """The answer of a model, and what it took.
 
     Attributes:
-        text: the answer; empty if the model had nothing to say.
-        truncated: the provider cut the answer off at its length limit.
-        input_tokens: as the provider counted them, or an estimate where it does not count.
-        output_tokens: likewise, thinking included.
-        cost: in US dollars; `None` where no price is known.
-        seconds: from the first try to the answer.
-        tries: requests sent until one succeeded; 0 for a recording.
-        structured: the provider enforced the schema.
-        verdict: what was found wrong with this very answer when it was recorded; `None` for an
-            answer that is new.
+        reply: text of the answer. It is empty if the model had nothing to say.
+        truncated: whether the provider cut the answer off at its length limit.
+        input_tokens: as the provider counted them, or an estimate if it does not count.
+        output_tokens: likewise, tokens of thinking included.
+        cost: in US dollars, or `None` if no price is known.
+        seconds: time from the first try to the answer.
+        tries: requests that were sent until one succeeded, 0 for a recorded answer.
+        structured: whether the provider enforced the schema.
+        validation_errors: errors in the reply. They are empty for an accepted reply, and `None`
+            until the reply is checked. A recorded answer comes with its recorded errors.
     """
 
-    text: str
+    reply: str
     truncated: bool = False
     input_tokens: int = 0
     output_tokens: int = 0
@@ -86,35 +86,37 @@ class Completion:
     seconds: float = 0.0
     tries: int = 1
     structured: bool = False
-    verdict: tuple[str, ...] | None = None
+    validation_errors: tuple[str, ...] | None = None
 
 
-def unasked() -> None:
-    """What a model asks before it sends a request where nobody keeps count."""
+def do_nothing() -> None:
+    """Allow a request to be sent, and do not count it: the default of `before_send`."""
 
 
 class ChatModel(Protocol):
-    """A language model. May be asked from several threads at once.
+    """A language model. Several threads may use it at once.
 
     Attributes:
-        name: stable across runs, for it is part of an exchange's key.
+        name: the same in every run, because the key of an exchange contains it.
     """
 
     name: str
 
-    def complete(self, request: Request, sending: Callable[[], None] = unasked) -> Completion:
-        """Answer, retrying what is worth retrying.
+    def complete(
+        self, request: Request, before_send: Callable[[], None] = do_nothing
+    ) -> Completion:
+        """Return the answer to `request`, and retry after transient errors.
 
         Args:
             request: what is asked.
-            sending: called before each try is sent; it raises to forbid it.
+            before_send: is called before each try. It raises to forbid the try.
 
         Raises:
-            InputError: it can never work like this (wrong key, unknown model, refused request).
-            ModelUnavailable: it did not answer within the bounded retries.
+            InputError: the request can never succeed (wrong key, unknown model, refused request).
+            ModelUnavailable: the model did not answer within the bounded retries.
         """
         ...
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
-        """Return the price of so many tokens in US dollars, `None` where no price is known."""
+        """Return the price of so many tokens in US dollars, or `None` if no price is known."""
         ...

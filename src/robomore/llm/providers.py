@@ -1,4 +1,4 @@
-"""From a model's name to a connected model. The provider's library is imported here, on demand."""
+"""Makes a model from its name. Only here is the library of a provider imported, when needed."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from robomore.errors import InputError
 from robomore.llm.retry import RetryPolicy
 
 if TYPE_CHECKING:
-    from robomore.llm.client import LibraryModel
+    from robomore.llm.client import PydanticAIModel
 
 COMPATIBLE_KEY = "ROBOMORE_LLM_KEY"
-"""Environment variable whose value is sent as the key to a `--base-url`. Keys of other providers
-are never sent to a URL of the user's choice."""
+"""Environment variable with the key for a `--base-url`. Keys of other providers are never sent to a
+URL that the user chooses."""
 _OLLAMA = "http://127.0.0.1:11434/v1"
 _INSTALL = "pip install 'robomore[llm]'"
 
@@ -25,21 +25,22 @@ def connect(
     model: str,
     base_url: str | None = None,
     price: tuple[float, float] | None = None,
-    patience: RetryPolicy | None = None,
-) -> LibraryModel:
-    """Return a model by name; nothing is sent yet.
+    retry_policy: RetryPolicy | None = None,
+) -> PydanticAIModel:
+    """Return the model with that name. Nothing is sent yet.
 
     Args:
-        model: `PROVIDER:NAME`, e.g. `anthropic:NAME`; with `base_url` the server's own name.
-        base_url: of an OpenAI-compatible server, e.g. `http://127.0.0.1:8080/v1`.
-        price: US dollars per million tokens in and out, where the price list does not know better.
-        patience: how often to try, and how long.
+        model: `PROVIDER:NAME`, such as `anthropic:NAME`; with `base_url`, the name that the server
+            uses.
+        base_url: URL of an OpenAI-compatible server, such as `http://127.0.0.1:8080/v1`.
+        price: US dollars per million input and output tokens. It replaces the price list.
+        retry_policy: how often a request is tried, and how long.
 
     Raises:
         InputError: the name, the key or the library is missing or wrong, with the remedy.
     """
     try:
-        from robomore.llm.client import LibraryModel
+        from robomore.llm.client import PydanticAIModel
 
         if base_url is not None:
             library = _compatible(model, base_url)
@@ -51,7 +52,7 @@ def connect(
         raise InputError(_missing(error)) from None
     if price is None and _is_local(base_url or (_ollama() if model.startswith("ollama:") else "")):
         price = (0.0, 0.0)
-    return LibraryModel(name, library, price, patience or RetryPolicy())
+    return PydanticAIModel(name, library, price, retry_policy or RetryPolicy())
 
 
 def _compatible(model: str, base_url: str) -> Any:
@@ -64,7 +65,7 @@ def _compatible(model: str, base_url: str) -> Any:
         )
     if not model:
         raise InputError("--base-url needs --model NAME, the name under which the server serves it")
-    # Servers without keys still expect something in the header.
+    # Servers without keys still expect a value in the header.
     key = os.environ.get(COMPATIBLE_KEY) or "none"
     provider = OpenAICompatibleProvider("compatible", base_url=base_url, api_key=key)
     return OpenAIChatModel(model, provider=provider)
@@ -100,7 +101,7 @@ def _ollama() -> str:
 
 
 def _is_local(base_url: str) -> bool:
-    """Return whether a URL points to this machine, where tokens cost nothing."""
+    """Return whether a URL points to this machine, where tokens are free."""
     host = urlsplit(base_url).hostname or ""
     try:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback

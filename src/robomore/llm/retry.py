@@ -1,4 +1,4 @@
-"""Trying again what is worth trying again, a bounded number of times."""
+"""Retries of requests that failed for a transient reason, a bounded number of times."""
 
 from __future__ import annotations
 
@@ -17,67 +17,70 @@ T = TypeVar("T")
 
 
 class TransientError(Exception):
-    """A fault that may be gone next time.
+    """An error that may be gone at the next try.
 
     Attributes:
-        reason: in words, for the line that a user reads if it does not go away.
-        wait: seconds that the provider asked for, `None` if it did not.
+        reason: the error in words, for the line that a user reads if it persists.
+        retry_after: seconds that the provider asks to wait, or `None`.
     """
 
-    def __init__(self, reason: str, wait: float | None = None) -> None:
+    def __init__(self, reason: str, retry_after: float | None = None) -> None:
         super().__init__(reason)
         self.reason = reason
-        self.wait = wait
+        self.retry_after = retry_after
 
 
 @dataclass(frozen=True, slots=True)
 class RetryPolicy:
-    """How often and how long to try.
+    """How often a request is tried, and how long each wait and each try may take.
 
     Attributes:
-        tries: requests sent in all for one answer.
-        first_wait: seconds before the second try; doubles with each further one.
-        longest_wait: seconds between two tries at most, unless the provider asks for more.
-        longest_asked: the longest wait that a provider may ask for.
-        seconds: until one request is given up.
+        max_tries: requests that are sent at most for one answer.
+        initial_wait: seconds before the second try. The wait doubles with each further try.
+        max_wait: longest wait between two tries in seconds, unless the provider asks for more.
+        max_retry_after: longest wait in seconds that a provider may ask for.
+        timeout: seconds after which one request is given up.
     """
 
-    tries: int = 6
-    first_wait: float = 1.0
-    longest_wait: float = 60.0
-    longest_asked: float = 300.0
-    seconds: float = 600.0
+    max_tries: int = 6
+    initial_wait: float = 1.0
+    max_wait: float = 60.0
+    max_retry_after: float = 300.0
+    timeout: float = 600.0
 
-    def wait(self, tried: int) -> float:
-        """Return the seconds to wait after `tried` tries, spread so that callers do not march."""
-        # Timing decides no result, so this needs no seed.
-        spread = random.uniform(0.75, 1.25)
-        return min(self.longest_wait, self.first_wait * 2.0 ** (tried - 1)) * spread
+    def wait(self, tries: int) -> float:
+        """Return the seconds to wait after so many tries, with a random jitter of 25 %.
+
+        The jitter needs no seed, because timing decides no result.
+        """
+        jitter = random.uniform(0.75, 1.25)
+        return min(self.max_wait, self.initial_wait * 2.0 ** (tries - 1)) * jitter
 
 
-def persist(
-    attempt: Callable[[], T], patience: RetryPolicy, sleep: Callable[[float], object] = time.sleep
+def retry(
+    call: Callable[[], T], policy: RetryPolicy, sleep: Callable[[float], object] = time.sleep
 ) -> T:
-    """Return what `attempt` gives, trying again after a `TransientError` fault.
+    """Return what `call` returns, and call it again after a `TransientError`.
 
     Raises:
-        ModelUnavailable: every try met a passing fault, or the provider asks for too long a wait.
+        ModelUnavailable: every try failed, or the provider asks for too long a wait.
+        ValueError: the policy allows no try.
     """
-    for tried in range(1, patience.tries + 1):
+    for tries in range(1, policy.max_tries + 1):
         try:
-            return attempt()
-        except TransientError as fault:
-            if fault.wait is not None and fault.wait > patience.longest_asked:
+            return call()
+        except TransientError as error:
+            if error.retry_after is not None and error.retry_after > policy.max_retry_after:
                 raise ModelUnavailable(
-                    f"{fault.reason}, and asks to wait {fault.wait:.0f} s; everything so far is "
-                    "kept: run the same command again later"
+                    f"{error.reason}, and asks to wait {error.retry_after:.0f} s; everything so "
+                    "far is kept: run the same command again later"
                 ) from None
-            if tried == patience.tries:
+            if tries == policy.max_tries:
                 raise ModelUnavailable(
-                    f"{fault.reason} (tried {tried} times); everything so far is kept: "
+                    f"{error.reason} (tried {tries} times); everything so far is kept: "
                     "run the same command again to go on"
                 ) from None
-            wait = max(fault.wait or 0.0, patience.wait(tried))
-            _log.warning("%s; trying again in %.1f s", fault.reason, wait)
+            wait = max(error.retry_after or 0.0, policy.wait(tries))
+            _log.warning("%s; trying again in %.1f s", error.reason, wait)
             sleep(wait)
-    raise ValueError(f"patience without a try: {patience.tries}")
+    raise ValueError(f"a retry policy needs at least one try: {policy.max_tries}")

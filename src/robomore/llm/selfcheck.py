@@ -1,4 +1,4 @@
-"""Whether a model answers, and whether it can be held to a form: `robomore llm check`."""
+"""Checks that a model answers and can keep to a form: `robomore llm check`."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ _SCHEMA = {
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """What two small requests showed.
+    """Result of two small requests.
 
     Attributes:
-        model: the model's name.
+        model: name of the model.
         reply: its answer to a plain question, shortened.
-        structured: `schema` if it keeps a JSON schema, `words` if it gives JSON when asked in
-            words, `no` if neither.
-        seconds: for both answers.
-        tokens: of both exchanges.
-        cost: in US dollars; `None` where no price is known.
+        structured: `schema` if it keeps to a JSON schema, `words` if it answers with JSON when
+            asked in words, `no` if neither.
+        seconds: time for both answers.
+        tokens: input and output tokens of both exchanges.
+        cost: in US dollars, or `None` if no price is known.
     """
 
     model: str
@@ -44,8 +44,8 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
     """Ask `model` two small questions.
 
     Raises:
-        InputError: it can never work like this, with the reason.
-        ModelUnavailable: it does not answer.
+        InputError: a request can never succeed; the message has the reason.
+        ModelUnavailable: the model does not answer.
     """
     sampling = sampling or Sampling()
     plain = model.complete(_request("Answer with the single word: ready", 0, sampling, False))
@@ -54,8 +54,8 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
     costs = (plain.cost, formed.cost)
     return Check(
         model=model.name,
-        reply=" ".join(plain.text.split())[:80],
-        structured=_kept(formed),
+        reply=" ".join(plain.reply.split())[:80],
+        structured=_structure(formed),
         seconds=plain.seconds + formed.seconds,
         tokens=sum(c.input_tokens + c.output_tokens for c in (plain, formed)),
         cost=None if None in costs else sum(cost or 0.0 for cost in costs),
@@ -63,14 +63,14 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
 
 
 def _request(text: str, index: int, sampling: Sampling, schema: bool) -> Request:
-    slot = Slot("check", "check", 0, index)
+    slot = Slot("check", "check", (index,))
     return Request(slot, 0, (Message("user", text),), _SCHEMA if schema else None, sampling)
 
 
-def _kept(completion: Completion) -> Literal["schema", "words", "no"]:
-    text = completion.text
+def _structure(completion: Completion) -> Literal["schema", "words", "no"]:
+    text = completion.reply
     try:
-        # In words, a model may put its JSON between fences; the parsers take that.
+        # Without a schema, a model may put fences around its JSON. The parsers accept that.
         found = json.loads(text if completion.structured else text[text.find("{") :].strip("` \n"))
     except ValueError:
         return "no"

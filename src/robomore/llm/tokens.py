@@ -1,4 +1,4 @@
-"""How long a text is for a language model, without its tokenizer."""
+"""Estimates of how many tokens a text has, without the tokenizer of any model."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from collections.abc import Iterable
 from robomore.llm.model import Message
 
 _BYTES_PER_TOKEN = 3.2
-"""Prose has about four bytes to a token, code and numbers about three: a cautious middle."""
+"""Prose has about four bytes per token, code and numbers about three. This is between them."""
 _TOKENS_PER_IMAGE = 800
 _TOKENS_PER_MESSAGE = 6
 
 
 def estimate_tokens(text: str) -> int:
-    """Return about how many tokens `text` has; the same number on every machine.
+    """Return about how many tokens `text` has, the same number on every machine.
 
-    Prompts are fitted into budgets with this, and a prompt must not depend on whose tokenizer is
-    installed: it is part of an exchange's key.
+    Prompts are fitted into a token budget with this estimate. The prompt is part of an exchange's
+    key, so it must not depend on which tokenizer is installed.
     """
     return round(len(text.encode("utf-8", "replace")) / _BYTES_PER_TOKEN + 0.5)
 

@@ -1,10 +1,8 @@
-"""A measured design in two pictures for a model that can see: its body, and how it moved."""
+"""A robot in two pictures for a model that can see: at rest, and how it moves."""
 
 from __future__ import annotations
 
 import io
-import logging
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -13,43 +11,38 @@ import numpy as np
 from robomore.envs.vector_env import VectorEnv
 from robomore.rendering.drawing import draw, ground_lines, nice_length, project, view_of
 from robomore.rendering.pictures import Frame, frame_around, image
+from robomore.rendering.recording import Act
 from robomore.tasks.task import Task
-from robomore.training.policy import POLICY, MLPPolicy
-from robomore.types import Evaluation
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-log = logging.getLogger(__name__)
-
 WIDTH, HEIGHT = 480, 360
-"""Of the body's picture, in pixels."""
+"""Of the picture at rest, in pixels."""
 _FRAMES = 6
 _STRIP_WIDTH, _STRIP_HEIGHT = 256, 192
 _SECONDS_BETWEEN = 0.25
 
 
-def pictures(task: Task, evaluation: Evaluation, artifacts: Path) -> list[bytes]:
-    """Return PNG files: the body at rest, and a strip of frames from the start of an episode.
+def pictures(
+    task: Task, parameters: tuple[float, ...], act: Act | None = None, seed: int = 0
+) -> list[bytes]:
+    """Return PNG files: the robot at rest, and a strip of frames from the start of an episode.
 
     Args:
-        task: of the evaluation.
-        evaluation: what is to be shown.
-        artifacts: folder with the policies of the run; without this one's there is no strip.
+        task: what the robot is for.
+        parameters: of its morphology.
+        act: the policy; without one there is no strip.
+        seed: of the episode.
     """
-    parameters = evaluation.design.morphology.parameters
     scene = draw(task, parameters)
     found = [image(scene, frame_around(scene, WIDTH, HEIGHT))]
-    policy = artifacts / evaluation.artifact / POLICY
-    if evaluation.artifact and policy.is_file():
-        try:
-            found.append(_strip(task, parameters, MLPPolicy.load(policy), evaluation.job.seed))
-        except ValueError as error:
-            log.warning("no picture of how it moves: %s", error)
+    if act is not None:
+        found.append(_strip(task, parameters, act, seed))
     return [_png(picture) for picture in found]
 
 
-def _strip(task: Task, parameters: tuple[float, ...], policy: MLPPolicy, seed: int) -> Image:
+def _strip(task: Task, parameters: tuple[float, ...], act: Act, seed: int) -> Image:
     from PIL import Image as Images
 
     simulations = VectorEnv(task, parameters, 1, auto_reset=False)
@@ -73,7 +66,7 @@ def _strip(task: Task, parameters: tuple[float, ...], policy: MLPPolicy, seed: i
         drawn = image(project(model, data, view, ground), frame, caption)
         strip.paste(drawn, (index * _STRIP_WIDTH, 0))
         for _ in range(stride):
-            observation = simulations.step(policy.act(observation)).final_observation
+            observation = simulations.step(act(observation)).final_observation
     return strip
 
 

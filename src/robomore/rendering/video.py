@@ -1,4 +1,4 @@
-"""A recorded episode as a video file: rendered with OpenGL where it works, drawn elsewhere."""
+"""Recorded episodes as a video file: rendered with OpenGL where it works, drawn elsewhere."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import importlib.util
 import os
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -61,45 +61,89 @@ def default_path(name: str) -> Path:
     return Path(f"{name}.{'mp4' if _has_ffmpeg() else 'webp'}")
 
 
-def write_video(recording: Recording, path: Path, seconds: float, drawn: bool = False) -> None:
-    """Write an episode, or its first `seconds`.
+def write_video(
+    recordings: Sequence[Recording], path: Path, seconds: float, drawn: bool = False
+) -> None:
+    """Write episodes, or their first `seconds`, one below the other at one clock.
+
+    An episode that ends before the others stays in its last pose.
 
     Args:
-        recording: the episode.
+        recordings: at least one, all of one task.
         path: decides the format by its suffix.
         seconds: length at most.
-        drawn: without OpenGL in any case.
+        drawn: without OpenGL in any case; several episodes always are.
     """
-    stride = max(1, round(1 / (_FRAMES_PER_SECOND * recording.dt)))
-    poses = recording.poses[: int(seconds / recording.dt) + 1 : stride]
-    rate = 1 / (recording.dt * stride)
+    dt = recordings[0].dt
+    stride = max(1, round(1 / (_FRAMES_PER_SECOND * dt)))
+    length = min(max(len(one.poses) for one in recordings), int(seconds / dt) + 1)
+    shown = [_held(one.poses, length)[::stride] for one in recordings]
+    rate = 1 / (dt * stride)
     with TemporaryDirectory(prefix="robomore-") as scratch:
-        rendered = None if drawn else _rendered(recording, poses, Path(scratch))
-        if rendered is None:
-            _encode(draw_frames(recording, poses, stride), path, rate)
-        else:
+        rendered = None
+        if len(recordings) == 1 and not drawn:
+            rendered = _rendered(recordings[0], shown[0], Path(scratch))
+        if rendered is not None:
             from PIL.Image import fromarray
 
-            _encode((fromarray(np.asarray(frame)) for frame in rendered), path, rate)
+            _encode((fromarray(np.asarray(frame)) for frame in rendered), path, rate, HEIGHT)
+            return
+    # Side by side at one scale, so that a small robot is seen to be small.
+    width = max(_width(one) for one in recordings)
+    columns = [
+        draw_frames(one, poses, stride, width) for one, poses in zip(recordings, shown, strict=True)
+    ]
+    frames = (_stacked(pictures) for pictures in zip(*columns, strict=True))
+    _encode(frames, path, rate, HEIGHT * len(recordings))
+
+
+def _held(poses: NDArray[np.float64], length: int) -> NDArray[np.float64]:
+    """Return so many poses; after the last one the robot stays where it is."""
+    return poses[np.minimum(np.arange(length), len(poses) - 1)]
+
+
+def _stacked(pictures: Sequence[Image]) -> Image:
+    if len(pictures) == 1:
+        return pictures[0]
+    from PIL import Image as Images
+
+    whole = Images.new("RGB", (WIDTH, HEIGHT * len(pictures)))
+    for row, picture in enumerate(pictures):
+        whole.paste(picture, (0, row * HEIGHT))
+    return whole
+
+
+def _width(recording: Recording) -> float:
+    """Return how many metres wide the picture of a robot is."""
+    data = mujoco.MjData(recording.model)
+    data.qpos[:] = recording.poses[0]
+    mujoco.mj_kinematics(recording.model, data)
+    mujoco.mj_comPos(recording.model, data)
+    bare = project(recording.model, data, view_of(recording.model))
+    return _SIZES_WIDE * float(max(bare.high - bare.low))
 
 
 def draw_frames(
-    recording: Recording, poses: NDArray[np.float64], stride: int = 1
+    recording: Recording, poses: NDArray[np.float64], stride: int = 1, metres: float = 0.0
 ) -> Iterator[Image]:
-    """Yield drawn pictures of the poses; the ground moves past the robot."""
-    model, task = recording.model, recording.performer.task
+    """Yield drawn pictures of the poses; the ground moves past the robot.
+
+    Args:
+        recording: the episode that they are of.
+        poses: (frames, nq) joint positions.
+        stride: control steps between two of them.
+        metres: width of the picture; by default it fits the robot.
+    """
+    model, task = recording.model, recording.task
     data = mujoco.MjData(model)
     view = view_of(model)
     ground = elevation(task.terrain) if task.terrain and task.terrain.height else None
-    metres = 0.0
+    metres = metres or _width(recording)
     for index, pose in enumerate(poses):
         data.qpos[:] = pose
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         middle = data.subtree_com[1].copy()
-        bare = project(model, data, view)
-        if not metres:
-            metres = _SIZES_WIDE * float(max(bare.high - bare.low))
         spacing = nice_length(metres / 4)
         # The eye follows along the ground, so that hops and falls are seen as such.
         from_above = view.towards[2] > 0.9
@@ -111,7 +155,7 @@ def draw_frames(
             model, data, view, ground_lines(view, middle, 0.75 * metres, spacing, ground)
         )
         seconds = index * stride * recording.dt
-        caption = f"{recording.performer.title}   {seconds:5.1f} s   x = {middle[0]:.1f} m"
+        caption = f"{recording.title}   {seconds:5.1f} s   x = {middle[0]:.1f} m"
         yield image(scene, Frame(centre, metres, WIDTH, HEIGHT), caption)
 
 
@@ -123,12 +167,11 @@ def _rendered(
     It runs in a process of its own: a broken driver ends a process, and cannot be asked before.
     """
     request, answer = scratch / "poses.npz", scratch / "frames.raw"
-    performer = recording.performer
-    np.savez(request, poses=poses, parameters=np.array(performer.parameters))
+    np.savez(request, poses=poses, parameters=np.array(recording.parameters))
     given = os.environ.get("MUJOCO_GL")
     platforms = ("egl", "osmesa") if sys.platform.startswith("linux") else ("",)
     for platform in (given,) if given else platforms:
-        command = [sys.executable, "-m", "robomore.rendering.offscreen", performer.task.id]
+        command = [sys.executable, "-m", "robomore.rendering.offscreen", recording.task.id]
         environment = os.environ | ({"MUJOCO_GL": platform} if platform else {})
         try:
             done = subprocess.run(
@@ -146,9 +189,9 @@ def _rendered(
     return None
 
 
-def _encode(frames: Iterable[Image], path: Path, rate: float) -> None:
+def _encode(frames: Iterable[Image], path: Path, rate: float, height: int) -> None:
     if path.suffix.lower() == ".mp4":
-        _encode_mp4(frames, path, rate)
+        _encode_mp4(frames, path, rate, height)
         return
     first, *others = frames
     options: dict[str, Any] = {"save_all": True, "append_images": others, "loop": 0}
@@ -157,9 +200,9 @@ def _encode(frames: Iterable[Image], path: Path, rate: float) -> None:
     first.save(path, duration=round(1000 / rate), **options)
 
 
-def _encode_mp4(frames: Iterable[Image], path: Path, rate: float) -> None:
+def _encode_mp4(frames: Iterable[Image], path: Path, rate: float, height: int) -> None:
     imageio_ffmpeg = importlib.import_module("imageio_ffmpeg")
-    writer = imageio_ffmpeg.write_frames(str(path), (WIDTH, HEIGHT), fps=rate, macro_block_size=8)
+    writer = imageio_ffmpeg.write_frames(str(path), (WIDTH, height), fps=rate, macro_block_size=8)
     writer.send(None)
     for frame in frames:
         writer.send(frame.tobytes())

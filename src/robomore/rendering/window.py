@@ -19,7 +19,7 @@ _PAUSE = 1.0
 def show_in_window(recording: Recording) -> bool:
     """Play in real time; returns whether a window could be opened."""
     data = mujoco.MjData(recording.model)
-    scene = draw(recording.performer.task, recording.performer.parameters)
+    scene = draw(recording.task, recording.parameters)
     size = float(max(scene.high - scene.low))
     # Near and far are multiples of the extent, which a terrain would make a hundred times larger.
     recording.model.stat.extent = 2 * size

@@ -26,7 +26,7 @@ from robomore.identity import derive_seed
 from robomore.rewards.check import NAME, Finding
 from robomore.rewards.dry_run_findings import Rehearsed, Term, bodies, findings
 from robomore.rewards.load import RewardFunction, load_reward
-from robomore.sandbox.contain import Containment, run_contained
+from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.tasks import Task, get_task
 from robomore.types import Limits, Status
 
@@ -75,7 +75,7 @@ class DryRun:
         play = Play(self.task.id, tuple(bodies(self.task, RANDOM_BODIES)), source)
         self.scratch.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(prefix="rehearsal-", dir=self.scratch) as scratch:
-            ended = run_contained(
+            ended = run_sandboxed(
                 "robomore.rewards.dry_run:rehearse",
                 msgspec.json.encode(play),
                 Path(scratch),

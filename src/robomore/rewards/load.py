@@ -1,5 +1,5 @@
-"""Turns the text of a reward into a function. Only ever call this inside a contained child process:
-the text is executed, with nothing but the operating system's boundary around it.
+"""Turns the text of a reward into a function. Only call this inside a sandboxed process: the text
+is executed, and nothing but the operating system's boundary protects against it.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.errors import InvalidReward
-from robomore.rewards.explain import FILENAME, explain
-from robomore.sandbox import heartbeat as pulse
+from robomore.sandbox import heartbeat
+from robomore.sandbox.explain import FILENAME, explain
 
 RewardFunction = Callable[[Any, float, NDArray[np.float64]], tuple[float, Mapping[str, float]]]
 
@@ -26,7 +26,7 @@ def load_reward(source: str) -> RewardFunction:
     """Execute `source` and return its `_get_rew(self, x_velocity, action)`.
 
     `np`, `numpy` and `math` are there without an import, annotations are not evaluated, and `print`
-    does nothing. While a parent watches, each call is counted for it (see `pulse`).
+    does nothing. While a parent watches, each call is counted for it (see `heartbeat`).
 
     Args:
         source: program text of the reward.
@@ -58,22 +58,22 @@ def load_reward(source: str) -> RewardFunction:
         "print": _silent,
     }
     try:
-        with pulse.watched():
+        with heartbeat.watched():
             exec(code, namespace)
-    except BaseException as error:  # noqa: BLE001  # a stranger may raise SystemExit and worse
+    except BaseException as error:  # noqa: BLE001  # untrusted code may raise SystemExit and worse
         raise InvalidReward(f"fails before any call: {explain(error)}") from None
 
     function = namespace.get("_get_rew")
     if not callable(function):
         raise InvalidReward("defines no function `_get_rew(self, x_velocity, action)`")
     try:
-        with pulse.watched():
+        with heartbeat.watched():
             inspect.signature(function).bind(None, 0.0, None)
-    except BaseException as error:  # noqa: BLE001  # asking for a signature may run a stranger's code
+    except BaseException as error:  # noqa: BLE001  # it may run untrusted code
         raise InvalidReward(
             f"`_get_rew` does not take (self, x_velocity, action): {explain(error)}"
         ) from None
-    return pulse.watch(function)
+    return heartbeat.watch(function)
 
 
 def _silent(*values: object, **options: object) -> None:

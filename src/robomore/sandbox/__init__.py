@@ -1,7 +1,6 @@
-"""A reward is a program by a stranger: how it is checked, loaded and kept from doing harm.
+"""Runs untrusted code, such as a reward, in a process that can do no harm.
 
-`check` reads the text and says what is wrong in words that a designer can act on; it is hygiene.
-`contain` runs a function in a process of its own that can reach no file but its scratch folder, no
-network, no other process and no key; that boundary is the promise. `load` turns the text into a
-function and is only ever called inside such a process. `layers` says what this machine offers.
+`call.run_sandboxed` calls a function in a process of its own. That process can reach no file but
+its scratch folder, no network, no other process and no key. `layers` tries out which of these
+protections this machine offers. `linux` wraps the mechanisms of the kernel behind them.
 """

@@ -1,7 +1,7 @@
-"""The contained child: locks itself in, then calls one function that may run a stranger's code.
+"""The sandboxed process: it restricts itself, then calls one function that may run untrusted code.
 
-Started by `contain.run_contained` in a fresh interpreter. Nothing of the stranger's is touched
-before all layers are on, and nothing that this process says afterwards is more than a claim.
+`call.run_sandboxed` starts it in a fresh interpreter. No untrusted code is touched before all
+layers are on. Whatever this process sends afterwards is only a claim.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ import os
 import signal
 import sys
 import traceback
-from dataclasses import astuple
 from pathlib import Path
 from types import ModuleType
 from typing import NoReturn
+
+import msgspec
 
 from robomore.errors import (
     InvalidMorphology,
@@ -26,9 +27,9 @@ from robomore.errors import (
     TrainingDiverged,
     UnstableSimulation,
 )
-from robomore.rewards.explain import explain, reward_line
-from robomore.sandbox import heartbeat as pulse
-from robomore.sandbox.lock import CannotLock, Lock, lock
+from robomore.sandbox import heartbeat
+from robomore.sandbox.explain import explain, reward_line
+from robomore.sandbox.restrictions import LayerMissing, Restrictions, apply_restrictions
 from robomore.sandbox.wire import MAX_BODY, Kind, pack_number, send
 from robomore.types import Status
 
@@ -36,7 +37,7 @@ _LONGEST = 20_000
 """Characters of a diagnosis."""
 
 _RESERVE = 8 * 2**20
-"""Bytes to say in what has happened when memory has run out."""
+"""Bytes set aside, so that there is memory to describe the error when it has run out."""
 
 _STATUS: dict[type[BaseException], Status] = {
     InvalidMorphology: Status.INVALID_MORPHOLOGY,
@@ -48,12 +49,12 @@ _STATUS: dict[type[BaseException], Status] = {
 }
 
 
-def main(replies: int, pulses: int) -> NoReturn:
+def main(replies: int, heartbeat_page: int) -> NoReturn:
     """Serve the one request on standard input and end the process.
 
     Args:
         replies: descriptor of the pipe that frames go to.
-        pulses: descriptor of the page that `pulse` counts in.
+        heartbeat_page: descriptor of the shared page of `heartbeat`.
     """
     with os.fdopen(0, "rb", closefd=False) as stdin:
         header = json.loads(stdin.readline())
@@ -61,8 +62,8 @@ def main(replies: int, pulses: int) -> NoReturn:
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.close(nothing)
-    pulse.attach(pulses)
-    os.close(pulses)
+    heartbeat.attach(heartbeat_page)
+    os.close(heartbeat_page)
     # Lets the parent ask which line a stuck call is in, even while C code holds the interpreter.
     faulthandler.register(signal.SIGUSR1, all_threads=False)
     faulthandler.enable(all_threads=False)
@@ -71,15 +72,15 @@ def main(replies: int, pulses: int) -> NoReturn:
     # Looks through the search path once, while all of it can be read.
     importlib.util.find_spec(header["function"].partition(":")[0].partition(".")[0])
     try:
-        layers = lock(Lock.from_json(header["lock"]))
-    except CannotLock as error:
+        layers = apply_restrictions(msgspec.convert(header["restrictions"], Restrictions))
+    except LayerMissing as error:
         send(replies, Kind.REFUSED, str(error).encode())
         os._exit(1)
-    send(replies, Kind.LOCKED, json.dumps([astuple(layer) for layer in layers]).encode())
+    send(replies, Kind.LAYERS, msgspec.json.encode(layers))
     try:
         _serve(header["function"], payload, Path(header["scratch"]), replies)
     finally:
-        # No atexit hook, thread or finaliser that a stranger left gets to run.
+        # So no exit hook, thread or finaliser of untrusted code gets to run.
         os._exit(0)
 
 
@@ -91,9 +92,9 @@ def _serve(name: str, payload: bytes, scratch: Path, replies: int) -> None:
         reply = call(payload, scratch, lambda n: send(replies, Kind.PROGRESS, pack_number(n)))
         if not isinstance(reply, bytes) or len(reply) > MAX_BODY:
             raise TypeError(f"{name} returned no bytes, or more than {MAX_BODY} of them")
-    except BaseException as error:  # noqa: BLE001  # a stranger may raise SystemExit and worse
+    except BaseException as error:  # noqa: BLE001  # untrusted code may raise SystemExit and worse
         reserve.clear()
-        with pulse.watched():
+        with heartbeat.watched():
             fault = _fault(error)
         send(replies, Kind.FAULT, json.dumps(fault).encode())
     else:
@@ -106,8 +107,8 @@ def _fault(error: BaseException) -> tuple[str, str]:
         return Status.OUT_OF_MEMORY, str(error)[:_LONGEST]
     for kind, status in _STATUS.items():
         if isinstance(error, kind):
-            said = explain(error) if kind is MemoryError else str(error)
-            return status, said[:_LONGEST]
+            text = explain(error) if kind is MemoryError else str(error)
+            return status, text[:_LONGEST]
     if reward_line(error) is not None:
         return Status.REWARD_FAILED, explain(error)[:_LONGEST]
     return Status.FAILED, "".join(traceback.format_exception(error))[-_LONGEST:]

@@ -1,8 +1,9 @@
 """A number in shared memory that tells the parent which reward call is going on.
 
 A reward that never returns holds the interpreter, and a loop inside a C function cannot even be
-interrupted by a signal handler. So the child only writes down the number of the call as it begins,
-and 0 as it ends. The parent looks some times a second: the same call again and again is stuck.
+interrupted by a signal handler. So the sandboxed process only writes the number of the call when
+it begins, and 0 when it ends. The parent looks a few times a second: if it sees the same number
+again and again, the call is stuck.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ _next_call = count(1).__next__
 
 @contextmanager
 def page() -> Iterator[int]:
-    """Make the shared page; yields its descriptor.
+    """Make the shared page and yield its file descriptor.
 
-    On Linux it is of memory and cannot be made smaller, so that neither a full disk nor the child
-    can pull it from under the parent.
+    On Linux the page is in memory and its size is sealed, so that neither a full disk nor the
+    sandboxed process can make the parent's access to it fail.
     """
     if sys.platform == "linux":
-        descriptor = os.memfd_create("pulse", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+        descriptor = os.memfd_create("heartbeat", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         os.truncate(descriptor, SIZE)
         fcntl.fcntl(
             descriptor,
@@ -56,7 +57,7 @@ def attach(descriptor: int) -> None:
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """Mark a stretch in which a stranger's code may run, other than a reward call."""
+    """Count a block in which untrusted code may run as one call, though it is no reward call."""
     if _slots is None:
         yield
         return
@@ -69,7 +70,7 @@ def watched() -> Iterator[None]:
 
 
 def watch(function: Callable[[Any, Any, Any], Any]) -> Callable[[Any, Any, Any], Any]:
-    """Return `function` with every call numbered; as it is where no parent watches."""
+    """Return `function` with every call numbered, or unchanged where no parent watches."""
     if _slots is None:
         return function
     slots, next_call = _slots, _next_call

@@ -1,4 +1,4 @@
-"""Says what keeps a stranger in on this machine, by trying to get out."""
+"""Checks which sandbox layers this machine offers, by trying to get past each of them."""
 
 from __future__ import annotations
 
@@ -6,81 +6,68 @@ import json
 import os
 import socket
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from robomore.errors import InputError
-from robomore.sandbox.contain import Containment, refused, run_contained
-from robomore.sandbox.lock import REQUIRED, Layer
+from robomore.sandbox.call import Containment, refused, run_sandboxed
+from robomore.sandbox.restrictions import REQUIRED, Layer, describe, missing
 from robomore.types import Limits, Status
 
 _TRIES = 2
-"""A child that is killed from outside says nothing about the layers."""
+"""Attempts: a process that was killed from outside says nothing about the layers."""
 
 
 def layers() -> list[Layer]:
-    """Return each layer, and whether it is on: put on in a child that then tried to get past it."""
+    """Return each layer, and whether it holds when a sandboxed process tries to escape."""
     with tempfile.TemporaryDirectory() as folder, _listener() as port:
         secret = Path(folder) / "secret"
         secret.write_text("secret")
-        aims = {"secret": str(secret), "port": port, "parent": os.getpid()}
+        targets = {"secret": str(secret), "port": port, "parent": os.getpid()}
         for _ in range(_TRIES):
-            contained = run_contained(
+            result = run_sandboxed(
                 "robomore.sandbox.layers:attempt",
-                json.dumps(aims).encode(),
+                json.dumps(targets).encode(),
                 Path(folder) / "scratch",
                 Limits(wall_seconds=20.0),
                 mode=Containment.RELAXED,
             )
-            if contained.status is Status.OK:
+            if result.status is Status.OK:
                 break
-    if contained.status is not Status.OK:
-        said = f"trying it failed: {contained.diagnosis}"
-        return [Layer(name, False, said) for name in REQUIRED]
-    escapes: dict[str, list[str]] = json.loads(contained.reply)
-    environment = Layer("environment", True, "no variable of yours but those of the allow-list")
-    watchdog = Layer("watchdog", True, "wall-clock time, one reward call, progress, memory, output")
+    if result.status is not Status.OK:
+        detail = f"the attempt to check it failed: {result.diagnosis}"
+        return [Layer(name, False, detail) for name in REQUIRED]
+    escapes: dict[str, list[str]] = json.loads(result.reply)
+    environment = Layer("environment", True, "only the variables of an allow-list are passed on")
+    watchdog = Layer(
+        "watchdog", True, "limits wall-clock time, each reward call, memory and output"
+    )
     return [
         replace(layer, active=False, detail=f"{layer.detail}, yet it could {', '.join(escaped)}")
         if (escaped := escapes.get(layer.name))
         else layer
-        for layer in (*contained.layers, environment, watchdog)
+        for layer in (*result.layers, environment, watchdog)
     ]
 
 
 def ensure(mode: Containment) -> list[Layer]:
-    """Return the layers, once before a run, so that it refuses at once what it would refuse later.
+    """Return the layers, or refuse before a run starts what would be refused later.
 
     Raises:
-        InputError: `mode` is strict and a layer that it asks for is missing.
+        InputError: `mode` is strict and a required layer is missing.
     """
     found = layers()
     lacking = missing(found)
     if lacking and mode is Containment.STRICT:
-        raise refused("; ".join(f"no layer for {it.name}: {it.detail}" for it in lacking))
+        raise refused(describe(lacking))
     return found
 
 
-def missing(found: Sequence[Layer]) -> list[Layer]:
-    """Return those of `found` that `Containment.STRICT` asks for and that are off."""
-    return [layer for layer in found if layer.name in REQUIRED and not layer.active]
-
-
-def strict_is_possible() -> bool:
-    """Say whether this machine has the layers that `Containment.STRICT` asks for."""
-    try:
-        ensure(Containment.STRICT)
-    except InputError:
-        return False
-    return True
-
-
 def attempt(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
-    """Try to get out of the child that this runs in; returns what worked, by layer, as JSON."""
-    aims = json.loads(payload)
-    secret = Path(aims["secret"])
+    """Try to escape from the process that this runs in; return what worked, by layer, as JSON."""
+    targets = json.loads(payload)
+    secret = Path(targets["secret"])
     attempts: dict[str, dict[str, Callable[[], object]]] = {
         "files": {
             "read a file outside its folder": secret.read_text,
@@ -89,10 +76,10 @@ def attempt(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
             "remove a file outside its folder": secret.unlink,
         },
         "system calls": {
-            "open a connection": lambda: _connect(aims["port"]),
+            "open a connection": lambda: _connect(targets["port"]),
             "make a Unix socket": lambda: socket.socket(socket.AF_UNIX),
             "start a process": _start_process,
-            "signal its parent": lambda: os.kill(aims["parent"], 0),
+            "signal its parent": lambda: os.kill(targets["parent"], 0),
             "change modes of files": lambda: scratch.chmod(0o700),
         },
     }

@@ -1,4 +1,4 @@
-"""A child process that is always buried: killed with its group, waited for, its costs read."""
+"""A child process that never stays behind: it is killed with its group, and it is reaped."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from pathlib import Path
 from typing import IO
 
 
-class Child:
+class ChildProcess:
     """A process in a session of its own, with standard input and one pipe for all that it prints.
 
     Attributes:
-        pid: its process id, which is its group's too.
+        pid: its process id, which is also the id of its process group.
         stdin: what it reads.
         printed: what it and its group print, errors included.
-        exit_code: as in `subprocess`, negative for a signal; `None` until it is buried.
-        cpu_seconds: processor time it used, known once it is buried.
+        exit_code: as in `subprocess`, negative for a signal; `None` until it is reaped.
+        cpu_seconds: processor time it used, known once it is reaped.
     """
 
     def __init__(
@@ -49,12 +49,13 @@ class Child:
         self.cpu_seconds = 0.0
 
     def ended(self) -> bool:
-        """Say whether it has ended; if so, kill what is left of its group and bury it."""
+        """Say whether it has ended; if so, kill what is left of its group and reap it."""
         if self.exit_code is None and self._zombie():
-            self._bury()
+            self._reap()
         return self.exit_code is not None
 
     def ends_within(self, seconds: float) -> bool:
+        """Wait up to `seconds` for its end; say whether it has ended."""
         deadline = time.monotonic() + seconds
         while not self.ended():
             if time.monotonic() >= deadline:
@@ -63,24 +64,24 @@ class Child:
         return True
 
     def ask_for_traceback(self) -> None:
-        """Have the child print where it is (see `child`)."""
+        """Have it print which line it is in (see `child`)."""
         with contextlib.suppress(ProcessLookupError):
             os.kill(self.pid, signal.SIGUSR1)
 
     def close(self) -> None:
-        """Kill it and its group if need be, bury it and close its pipes."""
+        """Kill it and its group if need be, reap it and close its pipes."""
         if self.exit_code is None:
-            self._bury()
+            self._reap()
         for stream in (self.stdin, self.printed):
             with contextlib.suppress(OSError):
                 stream.close()
 
     def _zombie(self) -> bool:
-        # The leader stays a zombie until `_bury`, so that its group's number cannot be reused
+        # The leader stays a zombie until `_reap`, so that its group's number cannot be reused
         # before the group is killed.
         return os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
 
-    def _bury(self) -> None:
+    def _reap(self) -> None:
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self.pid, signal.SIGKILL)
         _, status, costs = os.wait4(self.pid, 0)

@@ -1,4 +1,4 @@
-"""Takes what a contained child left behind out of its folder, believing nothing about it."""
+"""Reads files that a sandboxed process left in its folder, without trusting anything about them."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 
 
 class UntrustedFileError(ValueError):
-    """Something that no honest child leaves; the message says what."""
+    """A file is not what a trusted program would have left; the message says in which way."""
 
 
 def read_file(path: Path, most_bytes: int) -> bytes:
     """Return the content of a plain file.
 
     Args:
-        path: in a folder that a stranger could write to.
-        most_bytes: it may have.
+        path: in a folder that untrusted code could write to.
+        most_bytes: largest size that is accepted.
 
     Raises:
-        UntrustedFileError: it is missing, no plain file (a link would lead out of the folder, a named pipe
-            would never end) or too long.
+        UntrustedFileError: it is missing, too long, or no plain file. (A link would lead out of
+            the folder, and reading a named pipe would never end.)
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
@@ -47,8 +47,8 @@ def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[Any]]:
     """Return the arrays of an `.npz` file; never unpickles and never inflates.
 
     Args:
-        path: in a folder that a stranger could write to.
-        most_bytes: it may have.
+        path: in a folder that untrusted code could write to.
+        most_bytes: largest size that is accepted.
 
     Raises:
         UntrustedFileError: as `read_file` does, or it is no plain, uncompressed `.npz` of numbers.

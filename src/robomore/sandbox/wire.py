@@ -1,7 +1,7 @@
-"""What a contained child says to its parent: small frames on a pipe, parsed with bounds.
+"""The messages from a sandboxed process to its parent: small frames on a pipe, of bounded length.
 
-Once a stranger's code runs in the child it can write anything at all to this pipe, so the parent
-believes no more of a frame than that its kind is known and its length allowed.
+Once untrusted code runs, it can write anything to this pipe. So the parent trusts no more of a
+frame than that its kind is known and that its length is allowed.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ MAX_BODY = 16 * 2**20
 class Kind(IntEnum):
     """What a frame carries."""
 
-    LOCKED = 1
-    """The layers are on; JSON list of them. Comes before any stranger's code runs."""
+    LAYERS = 1
+    """The layers are on; JSON list of them. Sent before any untrusted code runs."""
     REFUSED = 2
-    """A layer could not be put on and the child stopped; the reason as text."""
+    """A required layer is missing and the process stopped; the reason as text."""
     PROGRESS = 3
     """Units of work done, as one signed 64-bit integer."""
     REPLY = 4
@@ -30,7 +30,7 @@ class Kind(IntEnum):
 
 
 class MalformedFrame(ValueError):
-    """Bytes that no honest child sends."""
+    """Bytes that no process sends unless untrusted code wrote them."""
 
 
 _HEAD = struct.Struct("<BI")

@@ -54,8 +54,8 @@ class LedgerExchanges(Rows):
             assert self._spent is not None
             self._spent += Spending.of([exchange])
 
-    def judge(self, key: str, findings: Sequence[str]) -> None:
-        """Set the findings of a kept exchange.
+    def set_errors(self, key: str, errors: Sequence[str]) -> None:
+        """Set the validation errors of a kept exchange.
 
         Raises:
             KeyError: there is none of that key.
@@ -65,8 +65,9 @@ class LedgerExchanges(Rows):
             if kept is None:
                 raise KeyError(key)
             _, body, at = kept
-            judged = dataclasses.replace(self._decode(body, Exchange), findings=tuple(findings))
-            body = msgspec.json.encode(judged)
+            exchange = self._decode(body, Exchange)
+            checked = dataclasses.replace(exchange, validation_errors=tuple(errors))
+            body = msgspec.json.encode(checked)
             # The row keeps its number, and so its place in the order.
             self._execute(
                 "UPDATE exchanges SET body = ?, digest = ? WHERE key = ?",

@@ -1,6 +1,6 @@
-"""The designer of the paper: a language model that proposes, is corrected, and improves.
+"""The designer of the paper: a language model that proposes, corrects and improves.
 
-Here belong the prompts, the history that a prompt holds, and reading proposals out of replies. How
-a model is reached (providers, retries, budgets, recording) belongs in `robomore.llm`, which knows
-nothing of robots.
+This package makes the prompts, selects the history that they hold, and parses the replies. The
+package `robomore.llm` reaches the model (providers, retries, budgets, recording) and knows nothing
+of robots.
 """

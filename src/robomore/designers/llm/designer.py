@@ -1,4 +1,4 @@
-"""The designer of the paper: a language model that proposes, is corrected, and improves."""
+"""The designer of the paper: a language model that proposes, corrects and improves."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 
 from robomore.designers.llm.history import HistorySettings
 from robomore.designers.llm.parsing import (
-    BadReply,
-    Check,
-    errors,
-    in_words,
+    InvalidReply,
+    RewardCheck,
+    error_messages,
+    messages,
     parse_morphology,
     parse_reward,
 )
@@ -29,10 +29,10 @@ from robomore.tasks.task import Task
 from robomore.types import Evaluation, Morphology, Reward, Slot
 
 Pictures = Callable[[Evaluation], Sequence[bytes]]
-"""Draws a measured design as PNG files: its body, and a strip of how it moves."""
+"""Draws an evaluated design as PNG files: the robot, and frames of its motion."""
 
 _LONGEST_ECHO = 12_000
-"""Characters of a bad reply that are sent back with its faults."""
+"""Characters of an invalid reply that are sent back with its errors."""
 
 T = TypeVar("T")
 
@@ -42,11 +42,11 @@ class LLMSettings:
     """How a language model is used as a designer.
 
     Attributes:
-        diversity: Diversity Reflection: each proposal is shown all earlier ones. Without it,
-            proposals are independent samples, and may repeat each other.
-        repairs: how often a bad reply is answered with its faults before the slot is given up.
-        history: how much of what was measured is shown when improving.
-        sampling: of the model.
+        diversity: whether each proposal is shown all earlier ones (Diversity Reflection). Without
+            it, proposals are independent samples and may repeat each other.
+        repairs: how often an invalid reply is sent back with its errors before the proposal fails.
+        history: how much of the history a prompt for an improvement holds.
+        sampling: sampling settings of the model.
     """
 
     diversity: bool = True
@@ -55,19 +55,16 @@ class LLMSettings:
     sampling: Sampling = field(default_factory=Sampling)
 
     def __post_init__(self) -> None:
-        """Raises `InputError` for values that make no sense."""
+        """Raise `InputError` for a negative number of repairs."""
         if self.repairs < 0:
             raise InputError(f"repairs = {self.repairs} is less than 0")
-        if self.history.tokens < 0:
-            raise InputError(f"history tokens = {self.history.tokens} is less than 0")
-        _ = self.history.turns
 
 
 class LLMDesigner:
-    """Proposes with a language model (see `Designer`). May be called from several threads.
+    """Proposes with a language model (see `Designer`). Several threads may use it at once.
 
-    A reply is looked up before it is paid for, and judged once: what was found wrong with it stays
-    found, so that a resumed run goes the same way.
+    A reply is looked up in the log before it is paid for. Its validation errors are logged too, so
+    a resumed run takes the same way.
     """
 
     name = "llm"
@@ -75,138 +72,144 @@ class LLMDesigner:
     def __init__(
         self,
         task: Task,
-        correspondence: BudgetedClient,
+        client: BudgetedClient,
         settings: LLMSettings | None = None,
         *,
         objective: str = "efficiency",
-        check: Check = check_reward,
-        rehearse: Check | None = None,
+        check: RewardCheck = check_reward,
+        dry_run: RewardCheck | None = None,
         pictures: Pictures | None = None,
     ) -> None:
         """Make a designer for one task.
 
         Args:
-            task: what is to be done.
-            correspondence: the model, the log and the budget.
+            task: the task to design for.
+            client: the model with its log and its budget.
             settings: how the model is used.
-            objective: what the search compares.
-            check: reads the text of a reward.
-            rehearse: tries a reward out on moving bodies; `None` to skip that.
-            pictures: draws what is to be improved, for a model that can see.
+            objective: what the search compares, `efficiency` or `fitness`.
+            check: checks the program text of a reward.
+            dry_run: runs a reward on moving robots for a short time, or `None` for no dry run.
+            pictures: draws the design to improve on, for a model that can see.
         """
-        self.reflects = (settings or LLMSettings()).diversity
-        self.provenance = f"Proposed by a language model: {correspondence.model.name}."
         self._task = task
-        self._correspondence = correspondence
+        self._client = client
         self._settings = settings or LLMSettings()
+        self.reflects = self._settings.diversity
+        self.provenance = f"Proposed by a language model: {client.model.name}."
         self._objective = objective
         self._check = check
-        self._rehearse = rehearse
+        self._dry_run = dry_run
         self._pictures = pictures
-        # Only asking goes on side by side. Up to Python 3.12 `ast.parse` fails now and then when
-        # two threads parse (cpython#106905), and rehearsals should not slow each other down.
-        self._alone = threading.Lock()
+        # Only requests run in parallel. Up to Python 3.12, `ast.parse` can fail when two threads
+        # parse at once (cpython#106905), and parallel dry runs would slow each other down.
+        self._lock = threading.Lock()
         self._schema = morphology_schema(task)
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
-        """Return a body unlike all `earlier` ones (paper, Alg. 1: ProposeMorphology)."""
+        """Return a morphology unlike all `earlier` ones (paper, Alg. 1: ProposeMorphology)."""
         shown = earlier if self._settings.diversity else ()
-        prompt = self._prompt("morphology", earlier=shown)
-        return self._morphology(slot, prompt, shown)
+        return self._morphology(slot, self._prompt("morphology", earlier=shown), shown)
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
         """Return a reward unlike all `earlier` ones (paper, Alg. 1: ProposeReward)."""
         shown = earlier if self._settings.diversity else ()
-        prompt = self._prompt("reward", earlier=shown)
-        return self._reward(slot, prompt, shown)
+        return self._reward(slot, self._prompt("reward", earlier=shown), shown)
 
     def improve_morphology(
         self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
     ) -> Morphology:
-        """Return a body to try with `best`'s reward (paper, Alg. 1: ImproveMorphology)."""
+        """Return a morphology to try with `best`'s reward (paper, Alg. 1: ImproveMorphology)."""
         source = best.design.reward.source
         tried = [e.design.morphology for e in (best, *history) if e.design.reward.source == source]
         return self._morphology(slot, self._improvement("morphology", best, history), tried)
 
     def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:
-        """Return a reward to try on `best`'s body (paper, Alg. 1: ImproveReward)."""
-        body = best.design.morphology.parameters
+        """Return a reward to try with `best`'s morphology (paper, Alg. 1: ImproveReward)."""
+        parameters = best.design.morphology.parameters
         tried = [
-            e.design.reward for e in (best, *history) if e.design.morphology.parameters == body
+            e.design.reward
+            for e in (best, *history)
+            if e.design.morphology.parameters == parameters
         ]
         return self._reward(slot, self._improvement("reward", best, history), tried)
 
     def _improvement(
-        self, half: str, best: Evaluation, history: Sequence[Evaluation]
+        self, part: str, best: Evaluation, history: Sequence[Evaluation]
     ) -> list[Message]:
         role, question = self._prompt(
-            f"improve-{half}", best=best, measured=history, settings=self._settings.history
+            f"improve-{part}", best=best, measured=history, settings=self._settings.history
         )
-        with self._alone:
+        with self._lock:
             images = tuple(self._pictures(best)) if self._pictures else ()
         if not images:
             return [role, question]
         return [role, Message("user", f"{question.text}\n\n{render('pictures')}", images)]
 
     def _prompt(self, kind: str, **given: Any) -> list[Message]:
-        with self._alone:
+        with self._lock:
             return render_prompt(self._task, kind, objective=self._objective, **given)
 
     def _morphology(
         self, slot: Slot, prompt: Sequence[Message], taken: Sequence[Morphology]
     ) -> Morphology:
-        def read(exchange: Exchange) -> Morphology:
+        def parse(exchange: Exchange) -> Morphology:
             return parse_morphology(exchange.reply, self._task, taken, exchange.truncated)
 
-        return self._repaired(slot, prompt, read, self._schema)
+        return self._ask(slot, prompt, parse, self._schema)
 
     def _reward(self, slot: Slot, prompt: Sequence[Message], taken: Sequence[Reward]) -> Reward:
-        def read(exchange: Exchange) -> Reward:
+        def parse(exchange: Exchange) -> Reward:
             reward = parse_reward(exchange.reply, taken, exchange.truncated, self._check)
-            # A rehearsal measures time and may judge differently tomorrow: it is believed once.
-            if exchange.findings is None and self._rehearse is not None:
-                found = self._rehearse(reward.source)
-                # What is merely doubtful is said once; then the model knows what it wants.
-                if errors(found) or (found and not exchange.repair and self._settings.repairs):
-                    raise BadReply(in_words(found))
+            # A dry run measures time, so it could give another result tomorrow. Its first result
+            # is logged and holds.
+            if exchange.validation_errors is None and self._dry_run is not None:
+                found = self._dry_run(reward.source)
+                # A warning is sent back once. After that, the model's choice is accepted.
+                may_warn = not exchange.repair and self._settings.repairs
+                if error_messages(found) or (found and may_warn):
+                    raise InvalidReply(messages(found))
             return reward
 
-        return self._repaired(slot, prompt, read, None)
+        return self._ask(slot, prompt, parse, None)
 
-    def _repaired(
+    def _ask(
         self,
         slot: Slot,
         prompt: Sequence[Message],
-        read: Callable[[Exchange], T],
+        parse: Callable[[Exchange], T],
         schema: dict[str, Any] | None,
     ) -> T:
-        """Ask until a reply can be read, telling its faults each time (bounded)."""
-        messages = (*prompt[:-1], _afresh(prompt[-1], slot.attempt))
+        """Ask until a reply is valid, and send its errors back each time.
+
+        Raises:
+            ProposalFailed: the last reply that is allowed is invalid too.
+        """
+        conversation = (*prompt[:-1], _for_attempt(prompt[-1], slot.attempt))
         for repair in range(self._settings.repairs + 1):
-            request = Request(slot, repair, messages, schema, self._settings.sampling)
-            exchange = self._correspondence.ask(request)
+            request = Request(slot, repair, conversation, schema, self._settings.sampling)
+            exchange = self._client.ask(request)
             try:
-                if exchange.findings:
-                    raise BadReply(exchange.findings)
-                with self._alone:
-                    proposal = read(exchange)
-            except BadReply as bad:
-                self._correspondence.judge(exchange, bad.faults)
-                faults = bad.faults
+                if exchange.validation_errors:
+                    raise InvalidReply(exchange.validation_errors)
+                with self._lock:
+                    proposal = parse(exchange)
+            except InvalidReply as invalid:
+                errors = invalid.errors
+                self._client.set_errors(exchange, errors)
             else:
-                self._correspondence.judge(exchange, ())
+                self._client.set_errors(exchange, ())
                 return proposal
-            # Some providers refuse an empty turn.
+            # Some providers refuse an empty message.
             echo = exchange.reply[:_LONGEST_ECHO] or "(no answer)"
-            messages = (*messages, Message("assistant", echo), repair_message(faults))
+            conversation = (*conversation, Message("assistant", echo), repair_message(errors))
         raise ProposalFailed(
             f"no usable {slot.kind} in {self._settings.repairs + 1} answers; wrong with the last: "
-            + "; ".join(faults)
+            + "; ".join(errors)
         )
 
 
-def _afresh(question: Message, attempt: int) -> Message:
-    """Return the question of a fresh attempt: to the very same one, some say the very same."""
+def _for_attempt(question: Message, attempt: int) -> Message:
+    """Return the question of a new attempt. Some models give the same answer to the same words."""
     if not attempt:
         return question
     return replace(question, text=f"{question.text}\n\n{render('fresh', attempt=str(attempt + 1))}")

@@ -1,8 +1,8 @@
-"""What a run will ask of a model, before the first request is sent."""
+"""Forecasts what a run asks of a language model, before the first request is sent."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from robomore.designers.llm.designer import LLMSettings
@@ -11,19 +11,20 @@ from robomore.llm.tokens import estimate_prompt
 from robomore.tasks.task import Task
 
 _REWARD_TOKENS = 600
+"""Usual length of a reward."""
 _REPAIRS = 0.25
-"""Bad answers that are expected for each good one."""
+"""Expected invalid answers for each valid one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A forecast, from the lengths of the prompts and usual lengths of answers.
+    """A forecast from the lengths of the prompts and usual lengths of answers.
 
     Attributes:
-        requests: answers needed, some of them after a repair.
-        input_tokens: of all prompts.
-        output_tokens: of all answers, without what a reasoning model thinks.
-        cost: in US dollars; `None` where no price is known.
+        requests: number of requests, repairs included.
+        input_tokens: tokens of all prompts.
+        output_tokens: tokens of all answers, without the thoughts of a reasoning model.
+        cost: in US dollars, or `None` if no price is known.
     """
 
     requests: int
@@ -44,42 +45,30 @@ def estimate(
     settings: LLMSettings,
     price: Callable[[int, int], float | None],
     *,
-    morphologies: int,
-    rewards: int,
-    branches: int,
-    cycles: int,
+    proposals: Mapping[tuple[str, str], int],
 ) -> Estimate:
-    """Forecast what a run asks of a model.
+    """Forecast what a search asks of a model.
 
     Args:
-        task: whose prompts are measured.
-        settings: of the designer.
-        price: of so many tokens in and out, in US dollars (`ChatModel.cost`).
-        morphologies: proposals of the coarse stage.
-        rewards: proposals of the coarse stage.
-        branches: of the fine stage.
-        cycles: of each branch; each asks for one body and one reward.
+        task: the task, whose prompts are measured.
+        settings: settings of the designer.
+        price: price of so many input and output tokens in US dollars (`ChatModel.cost`).
+        proposals: number of proposals by action (`propose` or `improve`) and kind (`morphology` or
+            `reward`), as in `Plan.proposals`.
     """
     answers = {"morphology": 40 + 15 * len(task.parameters), "reward": _REWARD_TOKENS}
-    prompts = {half: estimate_prompt(render_prompt(task, half)) for half in answers}
     sent = received = 0
-    for half, count in (("morphology", morphologies), ("reward", rewards)):
-        # Proposal number i is shown the i before it.
-        shown = count * (count - 1) // 2 * answers[half] if settings.diversity else 0
-        sent += count * prompts[half] + shown
-        received += count * answers[half]
-    steps = branches * cycles
-    for half in answers:
-        sent += steps * (prompts[half] + settings.history.tokens)
-        received += steps * answers[half]
-    requests = morphologies + rewards + 2 * steps
-    # A repair sends the prompt again, with the bad answer and its faults.
+    for (action, kind), count in proposals.items():
+        sent += count * estimate_prompt(render_prompt(task, kind))
+        if action == "improve":
+            sent += count * settings.history.tokens
+        elif settings.diversity:
+            # Each proposal is shown all earlier ones.
+            sent += count * (count - 1) // 2 * answers[kind]
+        received += count * answers[kind]
+    # A repair sends the prompt again, with the invalid answer and its errors.
     repairs = _REPAIRS if settings.repairs else 0.0
+    requests = round(sum(proposals.values()) * (1 + repairs))
     input_tokens = round(sent * (1 + repairs) + received * repairs)
     output_tokens = round(received * (1 + repairs))
-    return Estimate(
-        round(requests * (1 + repairs)),
-        input_tokens,
-        output_tokens,
-        price(input_tokens, output_tokens),
-    )
+    return Estimate(requests, input_tokens, output_tokens, price(input_tokens, output_tokens))

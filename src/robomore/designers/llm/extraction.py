@@ -1,7 +1,7 @@
-"""Finds JSON or Python in what a language model wrote around it.
+"""Finds the JSON or the Python code in the answer of a language model.
 
-Lenient where only one meaning is possible (fences, prose, comments, trailing commas, thoughts),
-strict where two are.
+It accepts fences, prose, comments, trailing commas and thoughts around it, as long as the answer
+has only one possible meaning.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import textwrap
 from typing import Any
 
 LONGEST = 200_000
-"""Characters of a reply that are looked at; no sane answer has as many."""
+"""A longer answer is refused. No reasonable answer has so many characters."""
 _TRIES = 40
-"""Opening braces that are followed up; prose has a few, hostile text has thousands."""
+"""Opening braces that are tried. Prose has a few, hostile text has thousands."""
 _LONGEST_OBJECT = 20_000
-"""Characters in which an object has to close."""
+"""Characters within which an object must close."""
 
 _THOUGHT_END = re.compile(r"</(?:think|thinking|thought|reasoning)>", re.IGNORECASE)
 _THOUGHT_START = re.compile(r"<(?:think|thinking|thought|reasoning)>", re.IGNORECASE)
@@ -29,12 +29,12 @@ _CODE_LINE = re.compile(
 
 
 class NotFound(Exception):
-    """The reply holds nothing of the kind that was asked for; the message says what is wrong."""
+    """The answer does not hold what was asked for. The message says what is wrong."""
 
 
 def without_thoughts(text: str) -> str:
-    """Return `text` without what a reasoning model thought aloud before its answer."""
-    # Some servers cut the opening tag off, and an answer that is cut off may lack the closing one.
+    """Return `text` without the thoughts that a reasoning model writes before its answer."""
+    # Some servers remove the opening tag. A truncated answer may lack the closing tag.
     after = _THOUGHT_START.split(_THOUGHT_END.split(text)[-1])[0].strip()
     return after or _THOUGHT_START.split(text)[0].strip()
 
@@ -43,25 +43,25 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
     """Return the JSON object in `text` that has the key `wanted`.
 
     Raises:
-        NotFound: there is none, it is broken, or there are several that differ.
+        NotFound: there is no such object, it is invalid, or several differ.
     """
     text = _cleared(text)
     found: list[dict[str, Any]] = []
-    faults: list[str] = []
+    errors: list[str] = []
     at, tries = text.find("{"), 0
     while at != -1 and tries < _TRIES:
         tries += 1
         end = _closing(text, at)
         if end is None:
             if f'"{wanted}"' in text[at:]:
-                faults.append("the JSON object is not closed; the answer seems to be cut off")
+                errors.append("the JSON object is not closed; the answer seems to be cut off")
             at = text.find("{", at + 1)
             continue
         try:
             parsed = _unwrapped(_parsed(text[at:end]), wanted)
-        except NotFound as fault:
+        except NotFound as error:
             if wanted in text[at:end]:
-                faults.append(str(fault))
+                errors.append(str(error))
         else:
             if isinstance(parsed, dict) and wanted in parsed and parsed not in found:
                 found.append(parsed)
@@ -70,8 +70,8 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
         raise NotFound(f"the answer holds {len(found)} different designs; answer with one")
     if found:
         return found[0]
-    if faults:
-        raise NotFound(faults[0])
+    if errors:
+        raise NotFound(errors[0])
     raise NotFound(f'the answer holds no JSON object with "{wanted}"')
 
 
@@ -90,7 +90,7 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
     definition = re.compile(rf"\bdef\s+{re.escape(wanted)}\b")
     blocks = _blocks(text)
     defining = list(dict.fromkeys(block for block in blocks if definition.search(block[0])))
-    if len({body for body, _ in defining}) > 1:
+    if len({code for code, _ in defining}) > 1:
         raise NotFound(
             f"the answer holds {len(defining)} code blocks that define `{wanted}`; answer with one"
         )
@@ -103,21 +103,26 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
 
 
 def _blocks(text: str) -> list[tuple[str, bool]]:
-    """Return what stands between fences, and whether the closing fence is there."""
+    """Return the text between fences, and whether the closing fence is there."""
     found: list[tuple[str, bool]] = []
-    body: list[str] = []
+    block: list[str] = []
     fence = ""
     for line in text.split("\n"):
-        said = line.strip().strip("'\"")
-        opening = _FENCE.match(said)
-        if fence and opening and opening["fence"].startswith(fence) and opening["fence"] == said:
-            found.append((_dedented(body), True))
-            body, fence = [], ""
+        stripped = line.strip().strip("'\"")
+        opening = _FENCE.match(stripped)
+        if (
+            fence
+            and opening
+            and opening["fence"].startswith(fence)
+            and opening["fence"] == stripped
+        ):
+            found.append((_dedented(block), True))
+            block, fence = [], ""
         elif fence:
-            body.append(line)
+            block.append(line)
         elif opening:
             fence = opening["fence"]
-    return [*found, (_dedented(body), False)] if fence else found
+    return [*found, (_dedented(block), False)] if fence else found
 
 
 def _dedented(lines: list[str]) -> str:
@@ -134,7 +139,7 @@ def _cleared(text: str) -> str:
 
 
 def _closing(text: str, start: int) -> int | None:
-    """Return the end of the braces that open at `start`, strings and comments respected."""
+    """Return the end of the braces that open at `start`, with regard to strings and comments."""
     depth, at, quote = 0, start, ""
     while at < min(len(text), start + _LONGEST_OBJECT):
         character = text[at]
@@ -173,7 +178,7 @@ def _parsed(text: str) -> Any:
         except RecursionError:
             raise NotFound("the JSON is nested too deeply") from None
         except ValueError as error:
-            # An integer of thousands of digits.
+            # An integer with thousands of digits.
             raise NotFound(f"the JSON cannot be read: {error}") from None
     try:
         return ast.literal_eval(text)
@@ -182,7 +187,7 @@ def _parsed(text: str) -> Any:
 
 
 def _tidied(text: str) -> str:
-    """Return `text` without comments and trailing commas; strings stay as they are."""
+    """Return `text` without comments and trailing commas outside of strings."""
     pieces = re.split(r'("(?:\\.|[^"\\])*")', text)
     for index in range(0, len(pieces), 2):
         pieces[index] = re.sub(r"(?:#|//)[^\n]*", "", pieces[index])
@@ -214,7 +219,7 @@ def _unwrapped(parsed: Any, wanted: str) -> Any:
 
 
 def _quoted(text: str, wanted: str) -> str:
-    """Return code that came as a JSON value or as a Python string, or `text` as it is."""
+    """Return code that is the value of a JSON object or a Python string, or else `text`."""
     if text[0] == "{":
         try:
             found = json.loads(text, strict=False)
@@ -226,14 +231,14 @@ def _quoted(text: str, wanted: str) -> str:
         try:
             found = ast.literal_eval(text)
         except (ValueError, SyntaxError, RecursionError, MemoryError):
-            # A quote around a fence that runs over several lines.
+            # A quote around fenced code of several lines.
             return text[1:-1]
         return found.strip() if isinstance(found, str) and found.strip() else text
     return text
 
 
 def _bare(text: str, wanted: str) -> str:
-    """Return code that stands in prose without fences."""
+    """Return code without fences from the prose around it."""
     lines = text.split("\n")
     starts = [
         index

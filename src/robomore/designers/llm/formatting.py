@@ -1,4 +1,4 @@
-"""Bodies and evaluations in words, as they stand in prompts."""
+"""Morphologies, rewards and evaluations as lines of a prompt."""
 
 from __future__ import annotations
 
@@ -8,34 +8,34 @@ from robomore.tasks.task import Task
 from robomore.types import Evaluation, Morphology, Reward, Status
 
 _LONGEST_DIAGNOSIS = 300
-_LISTED = 6
-"""Results that are listed one by one; more are summed up."""
+_MOST_SINGLE_RESULTS = 6
+"""Results that are listed one by one. More results are summarized."""
 
 
-def body(task: Task, morphology: Morphology) -> list[str]:
-    """Return the lines that describe a body: its numbers, and the idea behind them."""
+def morphology_lines(task: Task, morphology: Morphology) -> list[str]:
+    """Return the parameter values of a morphology, and its idea if there is one."""
     numbers = ", ".join(
         f"{name} {value:.6g}" for name, value in zip(task.names, morphology.parameters, strict=True)
     )
     return [f"Parameters: {numbers}", *([f"Idea: {morphology.idea}"] if morphology.idea else [])]
 
 
-def program(reward: Reward) -> list[str]:
-    """Return the lines that show a reward."""
+def reward_lines(reward: Reward) -> list[str]:
+    """Return the program text of a reward between fences."""
     return ["```python", reward.source.strip(), "```"]
 
 
-def result(evaluation: Evaluation, where: str, full: int = 0) -> list[str]:
-    """Return the lines that tell of one evaluation: what it gave, or why it gave nothing.
+def evaluation_lines(evaluation: Evaluation, label: str, full: int = 0) -> list[str]:
+    """Return all that an evaluation measured, or why it failed.
 
     Args:
-        evaluation: to tell of.
-        where: what the first line begins with.
-        full: steps of a training to the end; fewer than that are named.
+        evaluation: what is described.
+        label: start of the first line.
+        full: steps of a full training. An evaluation with fewer steps says so.
     """
     if not evaluation.ok:
-        return [f"{where}: {failure(evaluation)}"]
-    lines = [f"{where}: {score(evaluation, full)}"]
+        return [f"{label}: {failure(evaluation)}"]
+    lines = [f"{label}: {score(evaluation, full)}"]
     if evaluation.behaviour:
         moved = ", ".join(f"{name} {value:.4g}" for name, value in evaluation.behaviour.items())
         lines.append(f"  How it moved: {moved}")
@@ -48,55 +48,55 @@ def result(evaluation: Evaluation, where: str, full: int = 0) -> list[str]:
     return lines
 
 
-def results(evaluations: Sequence[Evaluation], where: str, full: int = 0) -> list[str]:
-    """Return the lines that sum up several evaluations; those of fewer steps apart from others."""
+def summary_lines(evaluations: Sequence[Evaluation], label: str, full: int = 0) -> list[str]:
+    """Return a summary of several evaluations, separately for each number of training steps."""
     failed = [e for e in evaluations if not e.ok]
     lines: list[str] = []
     for steps in sorted({e.job.steps for e in evaluations if e.ok}, reverse=True):
         done = [e for e in evaluations if e.ok and e.job.steps == steps]
-        if len(done) <= _LISTED:
-            lines += [f"{where}: {score(e, full)}" for e in done]
+        if len(done) <= _MOST_SINGLE_RESULTS:
+            lines += [f"{label}: {score(e, full)}" for e in done]
             continue
-        efficiency = _spread([e.efficiency or 0.0 for e in done])
-        fitness = _spread([e.fitness or 0.0 for e in done])
+        efficiency = _range([e.efficiency or 0.0 for e in done])
+        fitness = _range([e.fitness or 0.0 for e in done])
         lines.append(
-            f"{where}, {len(done)} times{_after(steps, full)}: efficiency {efficiency} 1/m^2, "
+            f"{label}, {len(done)} times{_after(steps, full)}: efficiency {efficiency} m/m³, "
             f"fitness {fitness} m"
         )
     if failed:
         reasons = list(dict.fromkeys(failure(e) for e in failed))
-        lines.append(f"{where}, {len(failed)} of {len(evaluations)} failed, for example:")
+        lines.append(f"{label}, {len(failed)} of {len(evaluations)} failed, for example:")
         lines += [f"  {reason}" for reason in reasons[:2]]
     return lines
 
 
 def score(evaluation: Evaluation, full: int = 0) -> str:
-    """Return efficiency with fitness and volume beside it, and the steps if fewer than `full`."""
+    """Return efficiency, fitness and volume in words, and the steps if they are below `full`."""
     efficiency, fitness, volume = (
         "unknown" if value is None else f"{value:.4g}"
         for value in (evaluation.efficiency, evaluation.fitness, evaluation.volume)
     )
     return (
-        f"efficiency {efficiency} 1/m^2 (fitness {fitness} m, volume {volume} m^3)"
+        f"efficiency {efficiency} m/m³ (fitness {fitness} m, volume {volume} m³)"
         f"{_after(evaluation.job.steps, full)}"
     )
 
 
 def failure(evaluation: Evaluation) -> str:
-    """Return why an evaluation gave nothing, in one line."""
+    """Return in one line why an evaluation failed."""
     if evaluation.status is Status.FAILED:
-        # The diagnosis is a traceback with this machine's file names, and tells a designer nothing.
+        # This diagnosis is a traceback with file names of this machine. It helps no designer.
         return "failed for a reason that has nothing to do with the design"
-    said = " ".join(evaluation.diagnosis.split())
-    if len(said) > _LONGEST_DIAGNOSIS:
-        said = said[:_LONGEST_DIAGNOSIS] + "…"
-    return f"failed ({evaluation.status.value}): {said}"
+    diagnosis = " ".join(evaluation.diagnosis.split())
+    if len(diagnosis) > _LONGEST_DIAGNOSIS:
+        diagnosis = diagnosis[:_LONGEST_DIAGNOSIS] + "…"
+    return f"failed ({evaluation.status.value}): {diagnosis}"
 
 
 def _after(steps: int, full: int) -> str:
     return f" after only {steps:,} of {full:,} training steps" if steps < full else ""
 
 
-def _spread(values: list[float]) -> str:
+def _range(values: list[float]) -> str:
     values = sorted(values)
     return f"{values[0]:.4g} to {values[-1]:.4g}, median {values[len(values) // 2]:.4g}"

@@ -1,17 +1,24 @@
-"""What was measured, told to a model within a token budget, and by which rule it was chosen."""
+"""Selects the part of the history that fits into the token budget of a prompt, by a named rule."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 
-from robomore.designers.llm import formatting as telling
+from robomore.designers.llm.formatting import (
+    evaluation_lines,
+    morphology_lines,
+    reward_lines,
+    summary_lines,
+)
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
-from robomore.tasks.task import Parameter, Task
-from robomore.types import Evaluation, Morphology, Reward
+from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace
+from robomore.types import Design, Evaluation, Morphology, Reward
 
 RULES = {
     "best": "the best by score",
@@ -20,7 +27,9 @@ RULES = {
     "failed": "the latest that only failed",
     "recent": "the latest",
 }
-"""What may be taken in turn until the budget is full, and how it is said in the prompt."""
+"""The names that a rule may hold, and the words for them in the prompt."""
+
+Features = frozenset[str] | tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,132 +37,130 @@ class HistorySettings:
     """How much of the history a prompt holds.
 
     Attributes:
-        tokens: the most that the history may take, as `estimate_tokens` counts.
-        rule: names of `RULES` joined by `+`, taken in turn.
+        tokens: the most tokens that the history may take, as `estimate_tokens` counts them.
+        rule: names of `RULES` joined by `+`. Each name in turn selects one entry.
     """
 
     tokens: int = 8000
     rule: str = "best+worst+different+failed"
 
-    @property
-    def turns(self) -> tuple[str, ...]:
-        """The names in the rule.
-
-        Raises:
-            InputError: one of them is unknown.
-        """
-        names = tuple(self.rule.split("+"))
-        unknown = [name for name in names if name not in RULES]
+    def __post_init__(self) -> None:
+        """Raise `InputError` for a negative number of tokens or an unknown name in the rule."""
+        if self.tokens < 0:
+            raise InputError(f"history tokens = {self.tokens} is less than 0")
+        unknown = [name for name in self.rule_names if name not in RULES]
         if unknown:
             raise InputError(
                 f"history rule {self.rule!r}: {unknown[0]!r} is none of {', '.join(RULES)} "
                 "(join them with +)"
             )
-        return names
+
+    @property
+    def rule_names(self) -> tuple[str, ...]:
+        return tuple(self.rule.split("+"))
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One body, or one reward, with all that was measured of it.
+    """One morphology, or one reward, with all of its evaluations.
 
     Attributes:
-        text: as it stands in the prompt.
-        score: the best of its evaluations that were trained longest, `None` if all failed.
-        features: what its distance to others is computed from.
-        steps: of that training; screening cuts some short, and these stand below the others.
+        text: the text in the prompt.
+        score: the best score of its evaluations with the most steps, `None` if all failed.
+        features: the features that the distance to other entries is computed from.
+        steps: training steps of that score. Fewer steps rank below more steps, because screening
+            stopped them early.
     """
 
     text: str
     score: float | None
-    features: frozenset[str] | tuple[float, ...]
+    features: Features
     steps: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class SelectedHistory:
-    """A history as it stands in a prompt: the entries, and how they were chosen."""
+    """The selected entries as one text, and a sentence on how they were selected."""
 
     entries: str
     selection: str
 
 
-def bodies(
+def morphology_entries(
     task: Task, objective: str, current: Reward, history: Sequence[Evaluation]
 ) -> list[Entry]:
-    """Return one entry for each body in `history`, in the order of their first measurement."""
-    grouped: dict[tuple[float, ...], list[Evaluation]] = {}
-    for evaluation in _distinct(history):
-        grouped.setdefault(evaluation.design.morphology.parameters, []).append(evaluation)
-    full, entries = full_steps(history), []
-    for number, (parameters, measured) in enumerate(grouped.items(), start=1):
-        here = [e for e in measured if e.design.reward.source == current.source]
-        there = [e for e in measured if e.design.reward.source != current.source]
-        lines = [f"## Body {number}", *telling.body(task, measured[0].design.morphology)]
-        names = ("With the current reward", "With another reward")
-        lines += _results(here, there, names, objective, full)
-        entries.append(_entry(lines, measured, objective, _position(task, parameters)))
-    return entries
+    """Return one entry for each morphology in `history`, oldest first."""
+    space = UnitSpace(task)
+    return _entries(
+        history,
+        objective,
+        key=lambda design: design.morphology.parameters,
+        is_current=lambda design: design.reward.source == current.source,
+        labels=("With the current reward", "With another reward"),
+        heading="Morphology",
+        describe=lambda design: morphology_lines(task, design.morphology),
+        features=lambda design: tuple(space.units([design.morphology.parameters])[0].tolist()),
+    )
 
 
-def rewards(objective: str, current: Morphology, history: Sequence[Evaluation]) -> list[Entry]:
-    """Return one entry for each reward in `history`, in the order of their first measurement."""
-    grouped: dict[str, list[Evaluation]] = {}
-    for evaluation in _distinct(history):
-        grouped.setdefault(evaluation.design.reward.source, []).append(evaluation)
-    full, entries = full_steps(history), []
-    for number, (source, measured) in enumerate(grouped.items(), start=1):
-        here = [e for e in measured if e.design.morphology.parameters == current.parameters]
-        there = [e for e in measured if e.design.morphology.parameters != current.parameters]
-        lines = [f"## Reward {number}", *telling.program(measured[0].design.reward)]
-        names = ("On the current body", "On another body")
-        lines += _results(here, there, names, objective, full)
-        words = frozenset(re.findall(r"\w+|[^\w\s]", source))
-        entries.append(_entry(lines, measured, objective, words))
-    return entries
+def reward_entries(
+    objective: str, current: Morphology, history: Sequence[Evaluation]
+) -> list[Entry]:
+    """Return one entry for each reward in `history`, oldest first."""
+    return _entries(
+        history,
+        objective,
+        key=lambda design: design.reward.source,
+        is_current=lambda design: design.morphology.parameters == current.parameters,
+        labels=("With the current morphology", "With another morphology"),
+        heading="Reward",
+        describe=lambda design: reward_lines(design.reward),
+        features=lambda design: frozenset(re.findall(r"\w+|[^\w\s]", design.reward.source)),
+    )
 
 
 def full_steps(history: Sequence[Evaluation]) -> int:
-    """Return the steps of a training to the end; screening cuts some short of it."""
+    """Return the steps of a full training. Screening stops others after fewer steps."""
     return max((e.job.steps for e in history), default=0)
 
 
-def tell(entries: Sequence[Entry], settings: HistorySettings, what: str) -> SelectedHistory:
-    """Return the entries that fit into the budget, in their order, and how they were chosen.
+def select(entries: Sequence[Entry], settings: HistorySettings, plural: str) -> SelectedHistory:
+    """Return the entries that fit into the token budget, oldest first.
 
     Args:
-        entries: oldest first.
-        settings: budget and rule.
-        what: plural of what the entries are, for the sentence on the choice.
+        entries: all entries, oldest first.
+        settings: token budget and rule.
+        plural: plural of what an entry is, for the sentence on the selection.
     """
     chosen = choose(entries, settings)
     text = "\n\n".join(entries[index].text for index in sorted(chosen))
     if len(chosen) == len(entries):
         if not entries:
-            return SelectedHistory("(nothing yet)", f"So far no {what} were measured.")
+            return SelectedHistory("(nothing yet)", f"So far no {plural} were measured.")
         return SelectedHistory(
-            text, f"These are all {len(entries)} {what} that were measured, oldest first."
+            text, f"These are all {len(entries)} {plural} that were measured, oldest first."
         )
-    in_turn = "; ".join(RULES[name] for name in settings.turns)
+    rule = "; ".join(RULES[name] for name in settings.rule_names)
     return SelectedHistory(
         text or "(left out)",
-        f"These are {len(chosen)} of the {len(entries)} {what} that were measured, oldest first. "
-        f"The others were left out for length: entries were taken in turn ({in_turn}) as long as "
+        f"These are {len(chosen)} of the {len(entries)} {plural} that were measured, oldest first. "
+        f"The others were left out for length: entries were taken in turn ({rule}) as long as "
         "they fitted.",
     )
 
 
 def choose(entries: Sequence[Entry], settings: HistorySettings) -> list[int]:
-    """Return the indices of the entries that fit, in the order in which they were taken.
+    """Return the indices of the entries that fit, in the order in which they were chosen.
 
-    Each name of the rule takes one entry in its turn. What does not fit is passed over, so a long
-    entry costs only itself; of equal ones the oldest is taken.
+    Each name of the rule chooses one entry in turn. An entry that does not fit is left out, and the
+    choice goes on with the others. Among equal entries the oldest is chosen.
     """
     left = settings.tokens
     waiting = list(range(len(entries)))
     chosen: list[int] = []
     while waiting:
         before = len(waiting)
-        for name in settings.turns:
+        for name in settings.rule_names:
             pick = _PICKS[name](entries, waiting, chosen)
             if pick is None:
                 continue
@@ -167,64 +174,60 @@ def choose(entries: Sequence[Entry], settings: HistorySettings) -> list[int]:
     return chosen
 
 
-def _distinct(history: Sequence[Evaluation]) -> list[Evaluation]:
-    """Return each evaluation once: a design that was proposed twice was measured once."""
-    return list({evaluation.key: evaluation for evaluation in history}.values())
+def _entries(
+    history: Sequence[Evaluation],
+    objective: str,
+    *,
+    key: Callable[[Design], Hashable],
+    is_current: Callable[[Design], bool],
+    labels: tuple[str, str],
+    heading: str,
+    describe: Callable[[Design], list[str]],
+    features: Callable[[Design], Features],
+) -> list[Entry]:
+    """Group the evaluations by `key`, and make one entry of each group."""
+    grouped: dict[Hashable, list[Evaluation]] = defaultdict(list)
+    # A design that was proposed twice was measured once.
+    for evaluation in {e.key: e for e in history}.values():
+        grouped[key(evaluation.design)].append(evaluation)
+    full, entries = full_steps(history), []
+    for number, measured in enumerate(grouped.values(), start=1):
+        design = measured[0].design
+        here = [e for e in measured if is_current(e.design)]
+        there = [e for e in measured if not is_current(e.design)]
+        lines = [f"## {heading} {number}", *describe(design)]
+        text = "\n".join([*lines, *_results(here, there, labels, objective, full)])
+        best = _best_of(measured, objective)
+        score, steps = (best.score(objective), best.job.steps) if best else (None, 0)
+        entries.append(Entry(text, score, features(design), steps))
+    return entries
 
 
 def _results(
     here: Sequence[Evaluation],
     there: Sequence[Evaluation],
-    names: tuple[str, str],
+    labels: tuple[str, str],
     objective: str,
     full: int,
 ) -> list[str]:
-    """Tell in full what was measured with the other half at hand, and sum up the rest.
+    """Describe the evaluations with the current partner in full, and summarize the others.
 
-    Where nothing succeeded at hand, the best of the rest is told in full instead.
+    If none with the current partner succeeded, the best of the others is described in full too.
     """
-    at_hand, other = names
-    lines = [line for e in here for line in telling.result(e, at_hand, full)]
+    current, other = labels
+    lines = [line for e in here for line in evaluation_lines(e, current, full)]
     if not any(e.ok for e in here) and (best := _best_of(there, objective)):
-        lines += telling.result(best, f"{other}, its best", full)
+        lines += evaluation_lines(best, f"{other}, its best", full)
         there = [e for e in there if e is not best]
-    return lines + telling.results(there, other, full)
-
-
-def _entry(
-    lines: Sequence[str],
-    measured: Sequence[Evaluation],
-    objective: str,
-    features: frozenset[str] | tuple[float, ...],
-) -> Entry:
-    best = _best_of(measured, objective)
-    text = "\n".join(lines)
-    if best is None:
-        return Entry(text, None, features)
-    return Entry(text, best.score(objective), features, best.job.steps)
+    return lines + summary_lines(there, other, full)
 
 
 def _best_of(evaluations: Sequence[Evaluation], objective: str) -> Evaluation | None:
-    """Return the best of those that were trained longest, the first among equals."""
+    """Return the best of those with the most training steps, the first among equals."""
     scored = [
         (e.job.steps, score, e) for e in evaluations if (score := e.score(objective)) is not None
     ]
     return max(scored, key=lambda found: found[:2])[2] if scored else None
-
-
-def _position(task: Task, parameters: Sequence[float]) -> tuple[float, ...]:
-    """Return a body as a point in the unit cube of the bounds, each on its own scale."""
-    return tuple(
-        _fraction(parameter, value)
-        for parameter, value in zip(task.parameters, parameters, strict=True)
-    )
-
-
-def _fraction(parameter: Parameter, value: float) -> float:
-    low, high = parameter.low, parameter.high
-    if parameter.scale == "log":
-        low, high, value = math.log(low), math.log(high), math.log(value)
-    return (value - low) / (high - low)
 
 
 def _distance(one: Entry, other: Entry) -> float:
@@ -237,7 +240,7 @@ def _distance(one: Entry, other: Entry) -> float:
 def _scored(
     entries: Sequence[Entry], waiting: Sequence[int]
 ) -> list[tuple[tuple[int, float], int]]:
-    """Return standing and index of those with a score: the longer trained stand higher."""
+    """Return rank and index of the entries with a score. More training steps rank higher."""
     return [
         ((entries[i].steps, score), i) for i in waiting if (score := entries[i].score) is not None
     ]

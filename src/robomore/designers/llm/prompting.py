@@ -1,7 +1,7 @@
-"""What a designer says to a language model: the texts in `prompts/`, filled in.
+"""Makes the prompts of the designer from the texts in `prompts/`.
 
-Everything here is a pure function of task, settings and what was measured, so what is printed by
-`robomore prompt` is what is sent.
+Every prompt is a pure function of the task, the settings and the evaluations. So `robomore prompt`
+prints exactly what is sent.
 """
 
 from __future__ import annotations
@@ -13,9 +13,14 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from robomore.designers.llm import formatting as telling
-from robomore.designers.llm import history
-from robomore.designers.llm.history import HistorySettings
+from robomore.designers.llm.formatting import evaluation_lines, morphology_lines, reward_lines
+from robomore.designers.llm.history import (
+    HistorySettings,
+    full_steps,
+    morphology_entries,
+    reward_entries,
+    select,
+)
 from robomore.errors import InputError
 from robomore.llm.model import Message
 from robomore.tasks.task import Task
@@ -45,43 +50,44 @@ def render_prompt(
     measured: Sequence[Evaluation] = (),
     settings: HistorySettings | None = None,
 ) -> list[Message]:
-    """Return the conversation that asks for one proposal.
+    """Return the messages that ask for one proposal.
 
     Args:
-        task: what is to be done.
+        task: the task to design for.
         kind: one of `KINDS`.
         objective: what the search compares, `efficiency` or `fitness`.
-        earlier: proposals to differ from (Diversity Reflection), for the first two kinds.
-        best: what is to be improved on, for the other two.
-        measured: the history, for the other two.
-        settings: of the history.
+        earlier: proposals that the new one must differ from (Diversity Reflection). Improvements
+            do not use it.
+        best: the evaluation to improve on. Only improvements use it.
+        measured: the history. Only improvements use it.
+        settings: how much of the history the prompt holds.
 
     Raises:
-        InputError: no such kind, or nothing to improve on.
+        InputError: there is no such kind, or nothing to improve on.
     """
     if kind not in KINDS:
         raise InputError(f"unknown prompt {kind!r}; choose one of {', '.join(KINDS)}")
-    half = kind.removeprefix("improve-")
-    parts = [_base(task, half, objective)]
-    if kind != half:
+    part = kind.removeprefix("improve-")
+    parts = [_base(task, part, objective)]
+    if kind != part:
         if best is None:
             raise InputError(f"the prompt {kind!r} improves on something measured: name a run")
-        parts.append(_improve(task, half, objective, best, measured, settings or HistorySettings()))
+        parts.append(_improve(task, part, objective, best, measured, settings or HistorySettings()))
     elif earlier:
-        parts.append(_diversity(task, half, earlier))
+        parts.append(_diversity(task, part, earlier))
     return [
-        Message("system", render(f"role-{half}")),
+        Message("system", render(f"role-{part}")),
         Message("user", "\n\n".join(parts)),
     ]
 
 
-def repair_message(faults: Sequence[str]) -> Message:
-    """Return what is answered to a reply with `faults`."""
-    return Message("user", render("repair", faults="\n".join(f"- {fault}" for fault in faults)))
+def repair_message(errors: Sequence[str]) -> Message:
+    """Return the message that answers a reply with `errors`."""
+    return Message("user", render("repair", errors="\n".join(f"- {error}" for error in errors)))
 
 
 def morphology_schema(task: Task) -> dict[str, Any]:
-    """Return the JSON schema of a morphology, every number within its bounds."""
+    """Return the JSON schema of a morphology with the bounds of its parameters."""
     numbers = {
         p.name: {"type": "number", "minimum": p.low, "maximum": p.high} for p in task.parameters
     }
@@ -106,8 +112,8 @@ def render(name: str, **fields: str) -> str:
     """Return the prompt file `name` with its fields filled in.
 
     Raises:
-        KeyError: the file has a field that is not given.
-        ValueError: a field is given that the file lacks.
+        KeyError: a field of the file is not given.
+        ValueError: the file has no such field.
     """
     template = _template(name)
     unused = set(fields) - set(template.get_identifiers())
@@ -122,15 +128,15 @@ def _template(name: str) -> string.Template:
     return string.Template((folder / f"{name}.md").read_text(encoding="utf-8"))
 
 
-def _base(task: Task, half: str, objective: str) -> str:
+def _base(task: Task, part: str, objective: str) -> str:
     shared = {
         "description": task.description,
         "episode_steps": f"{task.episode_steps:,}",
         "fitness": _FITNESS[task.fitness],
         "objective": _OBJECTIVES[objective],
     }
-    if half == "reward":
-        # Imported here because it reads the simulator's classes, which nothing else here needs.
+    if part == "reward":
+        # This imports the simulator, which nothing else in this module needs.
         from robomore.envs.source import environment_source
 
         return render("reward", environment=environment_source(task).strip(), **shared)
@@ -155,9 +161,9 @@ def _table(task: Task) -> str:
 
 def _rules(task: Task) -> str:
     if not task.rules:
-        return "Any numbers within these bounds make a body."
+        return "Any numbers within these bounds make a valid morphology."
     rules = [f"- {rule.text}" for rule in task.rules]
-    return "\n".join(["Besides, a body has to keep to these rules:", "", *rules])
+    return "\n".join(["A morphology also has to keep to these rules:", "", *rules])
 
 
 def _form(task: Task) -> str:
@@ -165,49 +171,42 @@ def _form(task: Task) -> str:
     return f'{{"parameters": {{{names}}}, "description": "…"}}'
 
 
-def _diversity(task: Task, half: str, earlier: Sequence[Morphology | Reward]) -> str:
-    told = []
+def _diversity(task: Task, part: str, earlier: Sequence[Morphology | Reward]) -> str:
+    shown = []
     for number, proposal in enumerate(earlier, start=1):
         if isinstance(proposal, Morphology):
-            lines = telling.body(task, proposal)
+            lines = morphology_lines(task, proposal)
         else:
-            lines = telling.program(proposal)
-        told.append("\n".join([f"## Number {number}", *lines]))
-    return render(f"diversity-{half}", count=str(len(earlier)), earlier="\n\n".join(told))
+            lines = reward_lines(proposal)
+        shown.append("\n".join([f"## Number {number}", *lines]))
+    return render(f"diversity-{part}", count=str(len(earlier)), earlier="\n\n".join(shown))
 
 
 def _improve(
     task: Task,
-    half: str,
+    part: str,
     objective: str,
     best: Evaluation,
     measured: Sequence[Evaluation],
     settings: HistorySettings,
 ) -> str:
     design = best.design
-    result = telling.result(best, "Measured")
-    full = history.full_steps(measured)
-    fewer = ""
+    morphology, reward = morphology_lines(task, design.morphology), reward_lines(design.reward)
+    if part == "morphology":
+        entries = morphology_entries(task, objective, design.reward, measured)
+        improved, partner = morphology, {"reward": design.reward.source.strip()}
+    else:
+        entries = reward_entries(objective, design.morphology, measured)
+        improved, partner = reward, {"morphology": "\n".join(morphology)}
+    selected = select(entries, settings, "morphologies" if part == "morphology" else "rewards")
+    selection = selected.selection
+    full = full_steps(measured)
     if any(e.ok and e.job.steps < full for e in measured):
-        fewer = "\n\n" + render("fewer-steps", steps=f"{full:,}")
-    if half == "morphology":
-        told = history.tell(
-            history.bodies(task, objective, design.reward, measured), settings, "bodies"
-        )
-        return render(
-            "improve-morphology",
-            best="\n".join([*telling.body(task, design.morphology), *result]),
-            reward=design.reward.source.strip(),
-            history=told.entries,
-            selection=told.selection + fewer,
-        )
-    told = history.tell(
-        history.rewards(objective, design.morphology, measured), settings, "rewards"
-    )
+        selection += "\n\n" + render("fewer-steps", steps=f"{full:,}")
     return render(
-        "improve-reward",
-        best="\n".join([*telling.program(design.reward), *result]),
-        body="\n".join(telling.body(task, design.morphology)),
-        history=told.entries,
-        selection=told.selection + fewer,
+        f"improve-{part}",
+        best="\n".join([*improved, *evaluation_lines(best, "Measured")]),
+        history=selected.entries,
+        selection=selection,
+        **partner,
     )

@@ -1,5 +1,5 @@
 """The designer that needs no language model, no key and no network.
 
-Morphologies come from a plausibility prior and a Gaussian process, rewards from a library of
-standard terms. Only this designer uses what lies here.
+It samples morphologies from a plausibility prior and improves them with a Gaussian process. It
+composes rewards from a library of standard terms.
 """

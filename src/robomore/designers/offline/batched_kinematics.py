@@ -1,7 +1,6 @@
-"""Rest poses of many bodies at once, read off a task's MJCF template.
+"""Computes the rest poses of many morphologies at once from a task's MJCF template.
 
-No simulator: the template says where each limb begins and ends, and that is enough to see whether
-a body stands over its feet, stands level, or lies on its belly.
+It needs no simulator: the template says where each limb begins and ends.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.designers.offline.rest_pose import Pose
+from robomore.designers.offline.rest_pose import RestPose
 
 Array = NDArray[np.float64]
 
@@ -35,16 +34,16 @@ _BINARY: dict[type, Callable[[Any, Any], Any]] = {
 _TOKEN = re.compile(r"\{([^{}]+)\}|(\S+)")
 
 
-class Skeleton:
-    """The limbs of a template, each a pair of expressions over parameter names.
+class BatchedKinematics:
+    """The limbs of a template as expressions over parameter names.
 
     Args:
         template: MJCF text with `{expression}` placeholders.
-        constants: numbers that the template refers to besides parameters.
+        constants: numbers that the template uses besides the parameters.
 
     Raises:
-        ValueError: the template uses a feature whose pose is not read here (rotated bodies, solids
-            other than spheres and capsules between two points).
+        ValueError: the template uses a feature that is not read here: rotated bodies, or solids
+            other than spheres and capsules between two points.
     """
 
     def __init__(self, template: str, constants: Mapping[str, float]) -> None:
@@ -61,8 +60,8 @@ class Skeleton:
         if not self._limbs:
             raise ValueError("no limbs found below <worldbody>")
 
-    def pose(self, columns: Mapping[str, Array]) -> Pose:
-        """Return the rest pose of n bodies, given as parameter name -> values (n,)."""
+    def rest_pose(self, columns: Mapping[str, Array]) -> RestPose:
+        """Return the rest pose of n morphologies, given as parameter name -> values (n,)."""
         count = len(next(iter(columns.values())))
         values = {**self._constants, **columns}
 
@@ -71,7 +70,7 @@ class Skeleton:
 
         ends = [np.stack([stacked(start), stacked(end)], axis=1) for start, end, _ in self._limbs]
         roots = [stacked(root) for root in self._roots]
-        return Pose(
+        return RestPose(
             ends=np.stack(ends, axis=1),
             radii=stacked([radius for *_, radius in self._limbs]),
             roots=np.stack(roots, axis=1) if roots else np.zeros((count, 0, 3)),
@@ -81,7 +80,7 @@ class Skeleton:
         )
 
     def _follow(self, first: ET.Element, origin: list[ast.expr]) -> None:
-        """Read the leg that starts with body `first`; a branching leg follows its first branch."""
+        """Read the leg that starts with body `first`; of a branching leg, only the first branch."""
         root: list[ast.expr] | None = None
         leg: list[int] = []
         body: ET.Element | None = first
@@ -99,7 +98,7 @@ class Skeleton:
             self._legs.append(tuple(leg))
 
     def _read(self, body: ET.Element, origin: list[ast.expr]) -> tuple[list[ast.expr], list[int]]:
-        """Note the limbs of one body; returns where it is and which limbs it has."""
+        """Add the limbs of one body, and return its position and the indices of its limbs."""
         _refuse_rotation(body)
         here = _added(origin, _numbers(body.get("pos", "0 0 0")))
         before = len(self._limbs)
@@ -125,7 +124,7 @@ def _refuse_rotation(body: ET.Element) -> None:
 
 
 def _numbers(text: str) -> list[ast.expr]:
-    """Parse `0 {leg_x} {-leg_y}` into one expression a number."""
+    """Parse `0 {leg_x} {-leg_y}` into one expression per number."""
     return [
         ast.parse(braced.strip() or plain, mode="eval").body
         for braced, plain in _TOKEN.findall(text)

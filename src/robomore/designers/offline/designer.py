@@ -1,4 +1,4 @@
-"""The designer without an LLM: bodies from a prior and a model, rewards from the field's terms."""
+"""The designer without a language model: a prior and a surrogate model, and standard terms."""
 
 from __future__ import annotations
 
@@ -13,48 +13,49 @@ from robomore.types import Evaluation, Morphology, Reward, Slot, finished
 
 
 class OfflineDesigner:
-    """Designs with numbers and a library of reward terms; needs no key and no network.
+    """Designs with numbers and a library of reward terms, without a key and a network.
 
-    Bodies: a pool of believable bodies spread over the task's bounds, from which each proposal
-    takes the best and farthest one; improved by expected improvement under a Gaussian process of
-    log fitness, the volume being known. Rewards: composed from the field's terms, each unlike the
-    earlier ones; improved by curing what the measurements show, by recombination and by trial.
+    Morphologies: a pool of plausible morphologies covers the task's bounds, and each proposal is a
+    good one far from the earlier ones. Improvements maximize the expected improvement under a
+    Gaussian process of log fitness; the volume is known. Rewards: each proposal is composed of
+    terms that the earlier ones lack. Improvements correct what the evaluations show, combine
+    rewards, or change something at random.
 
-    It never sees the official robot's numbers or reward: only what an LLM would be shown.
+    The designer never sees the reference design, only what a language model would be shown.
 
     Args:
-        task: what to design for.
-        seed: the run's; each proposal's random state follows from it and from the slot.
-        objective: `efficiency` or `fitness`, what the search compares.
+        task: the task to design for.
+        seed: seed of the run. The random state of a proposal follows from the seed and the slot.
+        objective: what the search compares, `efficiency` or `fitness`.
     """
 
     name = "offline"
     reflects = True
     provenance = (
-        "No LLM was used: bodies come from a space-filling prior and a Gaussian process, rewards "
-        "from a library of terms."
+        "No LLM was used: morphologies come from a space-filling prior and a Gaussian process, "
+        "rewards from a library of terms."
     )
 
     def __init__(self, task: Task, seed: int, objective: str = "efficiency") -> None:
-        self._bodies = MorphologySampler(task, seed)
-        self._rewards = RewardSampler(task, seed)
-        self._refiner = MorphologyOptimizer(task, seed, objective)
-        self._reweigher = RewardOptimizer(task, seed, objective)
+        self._morphology_sampler = MorphologySampler(task, seed)
+        self._reward_sampler = RewardSampler(task, seed)
+        self._morphology_optimizer = MorphologyOptimizer(task, seed, objective)
+        self._reward_optimizer = RewardOptimizer(task, seed, objective)
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
-        """Return a believable body far from all `earlier` ones."""
-        return self._bodies.propose(slot, earlier)
+        """Return a plausible morphology far from all `earlier` ones."""
+        return self._morphology_sampler.sample(slot, earlier)
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
-        """Return a sane reward made of other terms than the `earlier` ones."""
-        return self._rewards.propose(slot, earlier)
+        """Return a reasonable reward with other terms than the `earlier` ones."""
+        return self._reward_sampler.sample(slot, earlier)
 
     def improve_morphology(
         self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
     ) -> Morphology:
-        """Return the body near `best`'s that the model expects most of."""
-        return self._refiner.improve(slot, best, finished(history))
+        """Return the morphology near `best`'s that promises the largest improvement."""
+        return self._morphology_optimizer.improve(slot, best, finished(history))
 
     def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:
-        """Return `best`'s reward with one change that the measurements speak for."""
-        return self._reweigher.improve(slot, best, finished(history))
+        """Return `best`'s reward with one change that the evaluations suggest."""
+        return self._reward_optimizer.improve(slot, best, finished(history))

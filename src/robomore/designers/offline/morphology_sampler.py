@@ -1,4 +1,4 @@
-"""First proposals: believable bodies, each far from all earlier ones."""
+"""Proposes morphologies that are plausible and far from all earlier ones."""
 
 from __future__ import annotations
 
@@ -8,80 +8,83 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.designers.offline.plausibility_prior import Prior
-from robomore.designers.offline.space import UnitSpace, distances
+from robomore.designers.offline.plausibility_prior import PlausibilityPrior
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
 from robomore.tasks.geometry import Capsule
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace, distances
 from robomore.types import Morphology, Slot
 
 Array = NDArray[np.float64]
 
 POOL = 512
-"""Bodies to choose from: some hundred times as many as are ever asked for at once."""
+"""Size of the pool, some hundred times the number of proposals in a usual run."""
 
-FAR = 2.0
-"""How much log efficiency a doubling of the distance to the nearest earlier body is worth."""
+ROUNDS = 40
+"""Rounds of `POOL` draws before giving up on a full pool."""
+
+DISTANCE_WEIGHT = 2.0
+"""Log efficiency that a doubled distance to the nearest earlier morphology is worth."""
 
 
 class MorphologySampler:
-    """Chooses bodies from a pool that covers the believable part of a task's box.
+    """Chooses morphologies from a pool that covers the plausible part of a task's bounds.
 
-    The pool starts as valid bodies spread over the whole box, thin ones included. Differential
-    evolution with crowding (a child competes with its own parent alone) then raises every member to
-    where the prior finds little that is odd, without drawing the pool together. A proposal is the
-    member with the best sum of prior merit and distance to what was proposed before.
+    The pool starts as valid morphologies spread over all of the bounds, thin ones included.
+    Differential evolution with crowding (a child competes only with its own parent) then improves
+    every member under the prior, without drawing the pool together. A proposal is the member with
+    the best sum of prior and distance to the earlier proposals.
     """
 
     def __init__(self, task: Task, seed: int) -> None:
         self._task = task
         self._seed = seed
         self._space = UnitSpace(task)
-        self._prior = Prior(task)
+        self._prior = PlausibilityPrior(task)
 
-    def propose(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
-        """Return a believable body far from `earlier`.
+    def sample(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
+        """Return a plausible morphology far from `earlier`.
 
         Raises:
-            ProposalFailed: no valid body was found in the task's box.
+            ProposalFailed: no valid morphology was found within the task's bounds.
         """
         points, merits = self._pool
-        random = np.random.default_rng(derive_seed(self._seed, "body", slot))
-        # Each place sees its own half, so that a second attempt is another body.
+        random = np.random.default_rng(derive_seed(self._seed, "morphology", slot))
+        # Each slot sees its own half of the pool, so that a second attempt differs.
         seen = random.permutation(len(points))[: max(len(points) // 2, 1)]
-        worth = merits[seen]
+        values = merits[seen]
         if earlier:
-            others = self._space.units([body.parameters for body in earlier])
+            others = self._space.units([morphology.parameters for morphology in earlier])
             nearest = distances(points[seen], others).min(axis=1)
-            worth = worth + FAR * np.log2(np.maximum(nearest, 1e-6))
-        chosen = self._space.values(points[seen[np.argmax(worth)]][None])[0]
+            values = values + DISTANCE_WEIGHT * np.log2(np.maximum(nearest, 1e-6))
+        chosen = self._space.values(points[seen[np.argmax(values)]][None])[0]
         return Morphology(tuple(chosen.tolist()), self._describe(chosen))
 
     @cached_property
     def _pool(self) -> tuple[Array, Array]:
-        """Points (n, size) and the log efficiency expected of each (n,)."""
+        """Points (n, size) and their expected log efficiency (n,)."""
         random = np.random.default_rng(derive_seed(self._seed, "pool", self._task.id))
         points = self._scattered(random)
-        merits = self._prior.expected(self._space.values(points))
-        # As many rounds as parameters: the more there are, the rarer are sound bodies by chance.
+        merits = self._prior.log_efficiency(self._space.values(points))
+        # With more parameters, good morphologies are rarer by chance, so there are more rounds.
         for _ in range(self._space.size):
             children = _crossed(points, random)
-            bodies = self._space.values(children)
-            valid = self._space.valid(bodies)
+            values = self._space.values(children)
+            valid = self._space.valid(values)
             reached = np.full(len(points), -np.inf)
-            reached[valid] = self._prior.expected(bodies[valid])
+            reached[valid] = self._prior.log_efficiency(values[valid])
             better = reached > merits
             points[better], merits[better] = children[better], reached[better]
         return points, merits
 
     def _scattered(self, random: np.random.Generator) -> Array:
-        """Return up to POOL valid points, spread over the box, thickness correlated over limbs."""
+        """Return up to `POOL` valid points within the bounds, whose radii are correlated."""
         thickness = self._prior.thickness
         found: list[Array] = []
-        for _ in range(40):
+        for _ in range(ROUNDS):
             points = random.random((POOL, self._space.size))
-            # Independent radii would nearly all give a body of middling volume.
+            # Independent radii would give nearly all morphologies a medium volume.
             level = random.uniform(0, 0.7, (POOL, 1))
             spread = random.normal(0, 0.12, points.shape)
             points = np.where(thickness, np.clip(level + spread, 0, 1), points)
@@ -91,27 +94,27 @@ class MorphologySampler:
         points = np.concatenate(found)[:POOL]
         if len(points) < 4:
             raise ProposalFailed(
-                f"{self._task.id}: of {40 * POOL} bodies drawn from its bounds, "
+                f"{self._task.id}: of {ROUNDS * POOL} morphologies drawn within its bounds, "
                 f"{len(points)} pass its rules"
             )
         return points
 
-    def _describe(self, body: Array) -> str:
-        shapes = self._task.shapes(self._task.named(body.tolist()))
+    def _describe(self, values: Array) -> str:
+        shapes = self._task.shapes(self._task.named(values.tolist()))
         limbs = [shape for shape in shapes if isinstance(shape, Capsule)]
         slenderness = np.median([limb.length / limb.radius for limb in limbs]) if limbs else 0.0
-        build = "slender" if slenderness > 20 else "wiry" if slenderness > 8 else "sturdy"
+        build = "thin" if slenderness > 20 else "medium-thick" if slenderness > 8 else "thick"
         longest = max((limb.length for limb in limbs), default=0.0)
-        size = "long" if longest > 0.8 else "short" if longest < 0.35 else "medium-sized"
-        volume = self._task.volume(body.tolist())
+        size = "long" if longest > 0.8 else "short" if longest < 0.35 else "medium-long"
+        volume = self._task.volume(values.tolist())
         return (
-            f"{build}, {size} limbs (median length over radius {slenderness:.0f}, longest "
-            f"{longest:.2f} m), {volume:.3g} m^3 in all"
+            f"{build}, {size} limbs (median length/radius {slenderness:.0f}, longest limb "
+            f"{longest:.2f} m), volume {volume:.3g} m³"
         )
 
 
 def _crossed(points: Array, random: np.random.Generator) -> Array:
-    """Return one child of each point: a difference of two others added to some coordinates."""
+    """Return one child of each point: some coordinates move by a difference of two other points."""
     count, size = points.shape
     one, other = (points[random.permutation(count)] for _ in range(2))
     step = random.uniform(0.2, 0.8, (count, 1))

@@ -1,7 +1,8 @@
-"""What makes a body worth training before anything is known of it: a prior over bodies.
+"""A prior over morphologies: which are worth training before anything is known of them.
 
-All measures are general: they read a body's solids and its rest pose, and know no task and no
-official robot. They are in units of log efficiency: 1 less is expected to be 2.7 times worse.
+All measures are general. They read a morphology's solids and its rest pose, and know neither the
+task nor the reference design. They are in units of log efficiency: one less means that the
+efficiency is expected to be 2.7 times lower.
 """
 
 from __future__ import annotations
@@ -12,134 +13,139 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.designers.offline.batched_kinematics import Skeleton
-from robomore.designers.offline.rest_pose import Pose
-from robomore.designers.offline.space import UnitSpace
+from robomore.designers.offline.batched_kinematics import BatchedKinematics
+from robomore.designers.offline.rest_pose import RestPose
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace
 
 log = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
-LIGHTNESS = 0.7
-"""Log efficiency gained by a body of 1/e the volume. Were it as fast, it would gain 1; but light
-and thin bodies learn later, so only part of that is believed."""
+VOLUME_GAIN = 0.7
+"""Log efficiency that 1/e of the volume gains. At equal speed it would be 1, but small and thin
+morphologies learn later."""
 
-STRIDE = 1.5
-"""Log efficiency gained by legs of e times the length, up to LONG[0]: they make longer strides."""
+STRIDE_GAIN = 1.5
+"""Log efficiency that legs of e times the length gain, up to `LEG_LENGTHS[0]`: longer strides."""
 
-LONG = (1.0, 1.6)
-"""Length of a leg's moving limbs in m from which a robot gains nothing, and from which it loses:
-motors of fixed strength swing long legs slowly."""
+LEG_LENGTHS = (1.0, 1.6)
+"""Length in m of a leg's moving limbs above which a robot gains nothing, and above which it loses,
+because motors of fixed strength swing long legs slowly."""
 
-SLENDER = (1.5, 50.0)
-"""Length over radius of a limb: balls below, needles that nothing steadies above."""
+SLENDERNESS = (1.5, 50.0)
+"""Plausible range of a limb's length over its radius. Below are balls, above are needles."""
 
-UNEVEN_LENGTHS, UNEVEN_RADII = 0.5, 0.4
-"""Standard deviation of the log over a body's limbs that is still called proportionate."""
+MAX_LENGTH_SPREAD, MAX_RADIUS_SPREAD = 0.5, 0.4
+"""Largest plausible standard deviation of the logarithm over the limbs of one morphology."""
 
-EDGE = 0.2
-"""Share of a radius's range, from its lower bound, that is approached with suspicion: the thinnest
-limbs weigh next to nothing, and what weighs nothing is flung about by motors of fixed strength."""
+THIN_FRACTION = 0.2
+"""Lower part of a radius's range that is penalized. Such limbs weigh so little that motors of fixed
+strength throw them about."""
 
-FOLDED = 1.5
-"""Length of a leg along its limbs over its span that is still called straight enough to stride."""
+MAX_FOLDING = 1.5
+"""Largest plausible ratio of a leg's length along its limbs to the distance between its ends."""
 
-LOW = 0.3
-"""Height over reach below which a body that stands at all is said to lie on its belly."""
+LOW_HEIGHT = 0.3
+"""A morphology whose height is below this fraction of its reach lies rather than stands."""
 
 
-class Prior:
-    """Judges bodies of one task without simulating them."""
+class PlausibilityPrior:
+    """Rates morphologies of one task without simulating them."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
         self._space = UnitSpace(task)
         try:
-            self._skeleton: Skeleton | None = Skeleton(task.template, task.constants)
+            self._kinematics: BatchedKinematics | None = BatchedKinematics(
+                task.template, task.constants
+            )
         except ValueError as error:
-            # A robot of a third party may be written in ways whose pose is not read here; its
-            # bodies are then judged by their solids alone.
-            log.info("%s: bodies are judged without their rest pose: %s", task.id, error)
-            self._skeleton = None
+            # A robot of a third party may use features that `BatchedKinematics` does not read.
+            # Then only the solids are rated.
+            log.info("%s: morphologies are rated without their rest pose: %s", task.id, error)
+            self._kinematics = None
 
-    def expected(self, bodies: Array) -> Array:
-        """Return the log efficiency expected of valid `bodies` (n, size), less a constant, (n,)."""
-        lengths, radii, volumes = self._solids(bodies)
-        merit = -LIGHTNESS * np.log(volumes) - self._oddity_of_solids(bodies, lengths, radii)
-        if (pose := self._pose(bodies)) is not None:
-            merit += STRIDE * np.log(np.clip(pose.stride, 0.01, LONG[0])) - _oddity_of_pose(pose)
+    def log_efficiency(self, values: Array) -> Array:
+        """Return the expected log efficiency (n,), up to a constant, of valid rows (n, size)."""
+        lengths, radii, volumes = self._solids(values)
+        merit = -VOLUME_GAIN * np.log(volumes) - self._penalty_of_solids(values, lengths, radii)
+        if (pose := self._rest_pose(values)) is not None:
+            strides = np.clip(pose.stride, 0.01, LEG_LENGTHS[0])
+            merit += STRIDE_GAIN * np.log(strides) - _penalty_of_pose(pose)
         return merit
 
-    def oddity(self, bodies: Array) -> Array:
-        """Return how much of log efficiency the shape of valid `bodies` (n, size) costs, (n,) >= 0.
+    def penalty(self, values: Array) -> Array:
+        """Return the log efficiency (n,) >= 0 that the shapes of valid rows (n, size) cost.
 
-        Volume and size are no part of it.
+        Volume and size do not count.
         """
-        lengths, radii, _ = self._solids(bodies)
-        odd = self._oddity_of_solids(bodies, lengths, radii)
-        if (pose := self._pose(bodies)) is not None:
-            odd += _oddity_of_pose(pose)
-        return odd
+        lengths, radii, _ = self._solids(values)
+        penalty = self._penalty_of_solids(values, lengths, radii)
+        if (pose := self._rest_pose(values)) is not None:
+            penalty += _penalty_of_pose(pose)
+        return penalty
 
     @cached_property
     def thickness(self) -> NDArray[np.bool_]:
-        """Return which parameters set a solid's radius, (size,): found by nudging each."""
+        """Which parameters (size,) set a solid's radius, found by a small change of each one."""
         centre = np.full(self._space.size, 0.5)
-        nudged = centre + 0.01 * np.eye(self._space.size)
-        base, *others = self._space.values(np.vstack((centre, nudged)))
+        changed = centre + 0.01 * np.eye(self._space.size)
+        base, *others = self._space.values(np.vstack((centre, changed)))
         return np.array([self._radii(base) != self._radii(other) for other in others])
 
-    def _pose(self, bodies: Array) -> Pose | None:
-        if self._skeleton is None:
+    def _rest_pose(self, values: Array) -> RestPose | None:
+        if self._kinematics is None:
             return None
-        columns = dict(zip(self._task.names, np.asarray(bodies, dtype=float).T, strict=True))
-        return self._skeleton.pose(columns)
+        columns = dict(zip(self._task.names, np.asarray(values, dtype=float).T, strict=True))
+        return self._kinematics.rest_pose(columns)
 
-    def _radii(self, body: Array) -> list[float]:
-        values = dict(zip(self._task.names, body.tolist(), strict=True))
-        return [shape.radius for shape in self._task.shapes(values)]
+    def _radii(self, values: Array) -> list[float]:
+        # Unlike `Task.named`, this takes values that break the task's rules.
+        named = dict(zip(self._task.names, values.tolist(), strict=True))
+        return [shape.radius for shape in self._task.shapes(named)]
 
-    def _solids(self, bodies: Array) -> tuple[Array, Array, Array]:
-        """Return lengths (n, p) in m, 0 for balls, radii (n, p) in m and volumes (n,) in m^3."""
+    def _solids(self, values: Array) -> tuple[Array, Array, Array]:
+        """Return lengths (n, p) in m (0 for balls), radii (n, p) in m and volumes (n,) in m³."""
         names = self._task.names
         robots = [
-            self._task.shapes(dict(zip(names, body, strict=True)))
-            for body in np.asarray(bodies, dtype=float).tolist()
+            self._task.shapes(dict(zip(names, row, strict=True)))
+            for row in np.asarray(values, dtype=float).tolist()
         ]
         lengths = [[getattr(shape, "length", 0.0) for shape in shapes] for shapes in robots]
         radii = [[shape.radius for shape in shapes] for shapes in robots]
         volumes = [sum(shape.volume for shape in shapes) for shapes in robots]
         return np.array(lengths), np.array(radii), np.array(volumes)
 
-    def _oddity_of_solids(self, bodies: Array, lengths: Array, radii: Array) -> Array:
-        thin = np.maximum(EDGE - self._space.units(bodies)[:, self.thickness], 0) / EDGE
-        odd: Array = 2 * thin.sum(axis=1) / max(thin.shape[1], 1)
-        odd += 2 * np.maximum(np.log(radii).std(axis=1) - UNEVEN_RADII, 0)
+    def _penalty_of_solids(self, values: Array, lengths: Array, radii: Array) -> Array:
+        low = THIN_FRACTION - self._space.units(values)[:, self.thickness]
+        thin = np.maximum(low, 0) / THIN_FRACTION
+        penalty: Array = 2 * thin.sum(axis=1) / max(thin.shape[1], 1)
+        penalty += 2 * np.maximum(np.log(radii).std(axis=1) - MAX_RADIUS_SPREAD, 0)
         limbs = (lengths > 0).all(axis=0)
         if limbs.any():
             lengths, radii = lengths[:, limbs], radii[:, limbs]
-            odd += _outside(lengths / radii, *SLENDER).mean(axis=1)
-            odd += 2 * np.maximum(np.log(lengths).std(axis=1) - UNEVEN_LENGTHS, 0)
-        return odd
+            penalty += _outside(lengths / radii, *SLENDERNESS).mean(axis=1)
+            penalty += 2 * np.maximum(np.log(lengths).std(axis=1) - MAX_LENGTH_SPREAD, 0)
+        return penalty
 
 
-def _oddity_of_pose(pose: Pose) -> Array:
+def _penalty_of_pose(pose: RestPose) -> Array:
     stands = pose.height > 1e-6
-    lies = np.maximum(LOW - pose.height / pose.reach, 0) / LOW
-    oddity: Array = (
-        STRIDE * np.maximum(np.log(pose.stride / LONG[1]), 0)
+    lies = np.maximum(LOW_HEIGHT - pose.height / pose.reach, 0) / LOW_HEIGHT
+    penalty: Array = (
+        STRIDE_GAIN * np.maximum(np.log(pose.stride / LEG_LENGTHS[1]), 0)
         - 2 * np.log(pose.leverage)
         + 4 * np.minimum(pose.overhang, 1)
         + 3 * np.minimum(pose.tilt, 1)
-        + 3 * np.maximum(np.log(pose.folding / FOLDED), 0)
+        + 3 * np.maximum(np.log(pose.folding / MAX_FOLDING), 0)
         + np.where(stands, 2 * lies, 0)
     )
-    return oddity
+    return penalty
 
 
 def _outside(values: Array, low: float, high: float) -> Array:
-    """Return by how many e-folds `values` lie outside [low, high]."""
+    """Return the logarithm of the factor by which `values` lie outside of [low, high]."""
     logs = np.log(np.maximum(values, 1e-9))
     excess: Array = np.maximum(np.log(low) - logs, 0) + np.maximum(logs - np.log(high), 0)
     return excess

@@ -1,4 +1,4 @@
-"""How bodies stand at rest, in measures that say whether they can stand and stride at all."""
+"""Measures of rest poses that say whether a morphology can stand and walk at all."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
-    """Limbs of n bodies at rest, p limbs each, lengths in m.
+class RestPose:
+    """The limbs of n morphologies at rest, p limbs each. Lengths are in m.
 
     Attributes:
-        ends: (n, p, 2, 3) both ends of each limb in the world; the same point twice for a ball.
-        radii: (n, p).
-        roots: (n, l, 3) where each leg leaves the torso.
+        ends: both ends of each limb in the world, (n, p, 2, 3); the same point twice for a ball.
+        radii: radius of each limb, (n, p).
+        roots: point where each leg leaves the torso, (n, l, 3).
         legs: the limbs of each leg from the torso outwards, as indices into p.
-        axes: (h, 3) axis of each hinge.
-        swung: the limb that each hinge swings, as an index into p.
+        axes: axis of each hinge, (h, 3).
+        swung: the limb that each hinge moves, as an index into p.
     """
 
     ends: Array
@@ -53,8 +53,10 @@ class Pose:
 
     @property
     def stride(self) -> Array:
-        """Length of a leg's limbs from its first hinge on, mean over legs, in m, (n,); the reach of
-        a body without legs."""
+        """Length in m of a leg's limbs from its first hinge on, mean over legs, (n,).
+
+        Without legs it is the reach.
+        """
         legs = [[limb for limb in leg if limb >= min(self.swung)] for leg in self.legs]
         if not any(legs):
             return self.reach
@@ -63,17 +65,17 @@ class Pose:
 
     @property
     def height(self) -> Array:
-        """From the lowest to the highest limb end, (n,)."""
+        """Difference between the lowest and the highest limb end, (n,)."""
         heights = self.ends[..., 2].reshape(len(self.radii), -1)
         height: Array = heights.max(axis=1) - heights.min(axis=1)
         return height
 
     @property
     def overhang(self) -> Array:
-        """How far the centre lies outside the feet fore and aft, as a share of the height, (n,).
+        """Distance in x from the centre to the feet, 0 if it is above them, over the height, (n,).
 
-        Feet are the limb ends within a tenth of the height of the ground. A flat body has none of
-        this: all of it is feet.
+        Feet are the limb ends within a tenth of the height above the ground. A flat morphology has
+        no overhang, because all of its limb ends are feet.
         """
         x, z = (self.ends[..., axis].reshape(len(self.radii), -1) for axis in (0, 2))
         lowest = z.min(axis=1, keepdims=True)
@@ -87,8 +89,10 @@ class Pose:
 
     @property
     def folding(self) -> Array:
-        """How much longer a leg is along its limbs than from torso to tip, mean over legs, (n,);
-        1 is a straight leg."""
+        """Length of a leg along its limbs over the distance between its ends, mean over legs, (n,).
+
+        A straight leg has 1.
+        """
         if not self.legs:
             return np.ones(len(self.radii))
         ratios = []
@@ -101,8 +105,10 @@ class Pose:
 
     @property
     def leverage(self) -> Array:
-        """Sine of the angle between a hinge and the limb it swings, geometric mean, (n,);
-        a limb along its hinge only spins in place."""
+        """Sine of the angle between a hinge and the limb it moves, geometric mean, (n,).
+
+        A limb along its hinge only turns about itself and has 0.
+        """
         if not self.swung:
             return np.ones(len(self.radii))
         limbs = self.ends[:, self.swung, 1] - self.ends[:, self.swung, 0]
@@ -114,8 +120,8 @@ class Pose:
 
     @property
     def tilt(self) -> Array:
-        """Height difference between the lowest ends before and behind the centre, as a share of
-        the height, (n,)."""
+        """Height difference between the lowest ends before and behind the centre, over the height,
+        (n,)."""
         x, z = (self.ends[..., axis].reshape(len(self.radii), -1) for axis in (0, 2))
         ahead = x >= self.centre[:, :1]
         front = np.where(ahead, z, np.inf).min(axis=1)

@@ -1,4 +1,4 @@
-"""A reward as a list of terms and weights, its program text, and the way back from text to list."""
+"""A reward as a list of terms with weights, and its translation to and from program text."""
 
 from __future__ import annotations
 
@@ -9,17 +9,18 @@ from dataclasses import dataclass
 
 from robomore.designers.offline.reward_term import Term
 from robomore.designers.offline.reward_terms import TERMS
-from robomore.designers.offline.robot_semantics import Anatomy
+from robomore.designers.offline.robot_semantics import RobotSemantics
 
 STYLES = ("sum", "table", "balance")
-"""Ways to write the end of a program: one sum, a sum over the returned dict, bonuses less costs."""
+"""Ways to write the end of a program: one sum, a sum over the returned dictionary, or bonuses minus
+costs."""
 
 _HEADER = "# Composed without an LLM, from: "
 
 
 @dataclass(frozen=True, slots=True)
 class RewardComposition:
-    """Terms by name, each with its weight, in the order of the program, and its style."""
+    """Weights by term name, in the order of the program, and the style of the program."""
 
     weights: Mapping[str, float]
     style: str = "sum"
@@ -30,18 +31,18 @@ class RewardComposition:
 
     @property
     def lead(self) -> Term | None:
-        """The first term that is the task itself."""
+        """The leading term: the first one that is for the task itself."""
         return next((term for term in self.terms if term.part == "task"), None)
 
     def without(self, names: Iterable[str]) -> RewardComposition:
-        """Return the recipe less some terms."""
+        """Return the composition without some terms."""
         left = {name: w for name, w in self.weights.items() if name not in set(names)}
         return RewardComposition(left, self.style)
 
-    def having(self, term: Term, weight: float) -> RewardComposition:
-        """Return the recipe with `term` at `weight`, in the place of any other of its topic.
+    def with_term(self, term: Term, weight: float) -> RewardComposition:
+        """Return the composition with `term` at `weight`, instead of any other term of its topic.
 
-        A weight outside the term's range by more than half of it is brought back.
+        The weight is limited to half of the term's smallest and twice its largest weight.
         """
         weight = rounded(min(max(weight, term.low / 2), term.high * 2))
         rivals = [other.name for other in self.terms if other.topic == term.topic]
@@ -50,11 +51,11 @@ class RewardComposition:
         added = {**self.without(rivals).weights, term.name: weight}
         return RewardComposition({name: added[name] for name in TERMS if name in added}, self.style)
 
-    def source(self, body: Anatomy) -> str:
+    def source(self, robot: RobotSemantics) -> str:
         """Return the program for one robot."""
-        recipe = ", ".join(f"{name} {weight:g}" for name, weight in self.weights.items())
+        weights = ", ".join(f"{name} {weight:g}" for name, weight in self.weights.items())
         lines = [
-            f"{_HEADER}{recipe} ({self.style}).",
+            f"{_HEADER}{weights} ({self.style}).",
             "import numpy as np",
             "",
             "",
@@ -62,20 +63,20 @@ class RewardComposition:
             f'    """{self.idea()[:1].upper()}{self.idea()[1:]}."""',
         ]
         for term in self.terms:
-            lines += [f"    {line}" for line in term.lines(body, self.weights[term.name])] + [""]
+            lines += [f"    {line}" for line in term.lines(robot, self.weights[term.name])] + [""]
         lines += [f"    {line}" for line in _ending(self.terms, self.style)]
         return "\n".join(lines) + "\n"
 
     def idea(self) -> str:
-        """Return the recipe in words."""
+        """Return the terms in words."""
         return "; ".join(term.idea for term in self.terms)
 
 
-def read(source: str, body: Anatomy) -> RewardComposition | None:
-    """Return the recipe that `source` was written from, or `None` for anybody else's text.
+def parse_composition(source: str, robot: RobotSemantics) -> RewardComposition | None:
+    """Return the composition that `source` was written from, or `None` for any other text.
 
-    The first line names the recipe; it is believed only if it gives exactly this text, so that a
-    program edited by hand counts as its editor's.
+    The first line names the composition. It counts only if the composition gives exactly this text,
+    so a program that was edited by hand counts as another text.
     """
     match = re.match(re.escape(_HEADER) + r"(.*) \((\w+)\)\.$", source.partition("\n")[0])
     if not match or match[2] not in STYLES:
@@ -83,41 +84,41 @@ def read(source: str, body: Anatomy) -> RewardComposition | None:
     weights: dict[str, float] = {}
     for entry in match[1].split(", "):
         name, _, weight = entry.partition(" ")
-        if name not in TERMS or not TERMS[name].suits(body):
+        if name not in TERMS or not TERMS[name].suits(robot):
             return None
         try:
             weights[name] = float(weight)
         except ValueError:
             return None
-    recipe = RewardComposition(weights, match[2])
-    return recipe if recipe.source(body) == source else None
+    composition = RewardComposition(weights, match[2])
+    return composition if composition.source(robot) == source else None
 
 
-def guessed(source: str, suitable: Sequence[Term]) -> RewardComposition:
-    """Return the recipe nearest to a stranger's reward text, by the words it uses.
+def guess_composition(source: str, suitable: Sequence[Term]) -> RewardComposition:
+    """Return the composition nearest to any reward text, by the words in the text.
 
-    The leading term is the first of `suitable` where none is recognised.
+    If no leading term is recognized, it is the first of `suitable`.
     """
     text = re.sub(r"#.*", "", source).replace(" ", "").lower()
-    # Without the signature, which names the velocity whether it is used or not.
+    # The signature names the velocity whether it is used or not.
     text = text.replace("def_get_rew(self,x_velocity,action)", "")
     names = {name for sign, name in _SIGNS if sign in text}
     found = [term for term in suitable if term.name in names]
     if not any(term.part == "task" for term in found):
         found = [*(term for term in suitable if term.part == "task")][:1] + found
-    recipe = RewardComposition({})
+    composition = RewardComposition({})
     for term in found:
-        recipe = recipe.having(term, middle(term))
-    return recipe
+        composition = composition.with_term(term, middle(term))
+    return composition
 
 
 def middle(term: Term) -> float:
-    """Return the geometric middle of a term's range of weights."""
+    """Return the geometric mean of a term's smallest and largest weight."""
     return rounded(math.sqrt(term.low * term.high))
 
 
 def rounded(weight: float) -> float:
-    """Return a weight with two significant digits, as a person would write it."""
+    """Return a weight with two significant digits."""
     return float(f"{weight:.2g}")
 
 
@@ -156,4 +157,4 @@ _SIGNS = (
     ("height", "height_gain"),
     ("z_velocity", "upward_speed"),
 )
-"""Words of a program without spaces -> the term that they speak for."""
+"""Words in a program without spaces, and the term that they indicate."""

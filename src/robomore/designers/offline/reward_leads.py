@@ -1,4 +1,4 @@
-"""Reward terms that are the task itself; one of them leads every reward."""
+"""Reward terms for the task itself. Every reward has one of them as its leading term."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FORWARD = (
     ),
     _forward(
         "early_progress",
-        "get going, with diminishing returns",
+        "start to move, with diminishing returns",
         "The first metre per second is worth the most, so that learning starts early.",
         "{w} * np.sign(x_velocity) * np.log1p(np.abs(x_velocity))",
         4.0,
@@ -32,32 +32,32 @@ FORWARD = (
     ),
     _forward(
         "sprint",
-        "sprint, with increasing returns",
-        "Speed pays more than in proportion: a slow shuffle is not good enough.",
+        "run fast, with increasing returns",
+        "The reward grows faster than the speed, so slow motion is not enough.",
         "{w} * x_velocity * (1.0 + 0.1 * np.abs(x_velocity))",
         2.0,
         4.0,
     ),
     _forward(
         "steady_pace",
-        "keep a steady pace, then go faster",
-        "Most of the value lies in moving at about 2 m/s at all; more speed still pays.",
+        "reach a steady speed, then run faster",
+        "Most of the reward is for about 2 m/s; more speed still adds some.",
         "{w} * (np.tanh(0.5 * x_velocity) + 0.2 * x_velocity)",
         4.0,
         8.0,
     ),
     _forward(
         "upright_progress",
-        "progress that counts while upright",
-        "Speed counts in proportion to how upright the torso is: no tumbling forward.",
+        "speed while upright",
+        "Speed counts in proportion to how upright the torso is.",
         "{w} * x_velocity * np.clip({up}, 0.2, 1.0)",
         2.0,
         5.0,
     ),
     _forward(
         "aligned_progress",
-        "progress that counts while facing ahead",
-        "Speed counts in full only when the body points along the course.",
+        "speed while facing ahead",
+        "Speed counts in full only when the torso points along the course.",
         "{w} * x_velocity * (0.6 + 0.4 * ({heading}))",
         2.0,
         5.0,
@@ -67,7 +67,7 @@ FORWARD = (
 UPWARD = (
     _upward(
         "height_gain",
-        "be high",
+        "gain height",
         "Height of the torso above its starting height, in m.",
         "height_gain = {w} * ({height} - {rest})",
         4.0,
@@ -83,24 +83,24 @@ UPWARD = (
     ),
     _upward(
         "launch",
-        "push off hard",
-        "Only the way up counts, and a fast push-off counts more than in proportion.",
+        "push off fast",
+        "Only upward speed counts, and it counts with its square.",
         "launch = {w} * np.square(np.clip({lift}, 0.0, 10.0))",
         1.0,
         3.0,
     ),
     _upward(
         "high_leap",
-        "leap high rather than often",
-        "Twice the height is worth four times as much: one high leap beats many small hops.",
+        "jump high rather than often",
+        "The reward grows faster than the height: one high jump beats many small ones.",
         "leap = np.clip({height} - {rest}, 0.0, 5.0)\nhigh_leap = {w} * (leap + np.square(leap))",
         4.0,
         12.0,
     ),
     _upward(
         "new_record",
-        "beat the best height of the episode",
-        "Paid when the torso gets higher than ever before in this episode, and while it is high.",
+        "exceed the greatest height of the episode",
+        "A reward for a new greatest height of the torso in this episode, and for height.",
         'if not hasattr(self, "_record"):\n'
         "    self._record = {rest}\n"
         "new_record = {w} * (10.0 * max({height} - self._record, 0.0) + {height} - {rest})\n"

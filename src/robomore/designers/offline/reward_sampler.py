@@ -1,4 +1,4 @@
-"""First proposals: rewards in which the task leads, each made of other terms than the last."""
+"""Proposes rewards with a leading term for the task, each made of other terms than the earlier."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ import numpy as np
 from robomore.designers.offline.reward_composition import (
     STYLES,
     RewardComposition,
-    guessed,
-    read,
+    guess_composition,
+    parse_composition,
     rounded,
 )
 from robomore.designers.offline.reward_term import Term
 from robomore.designers.offline.reward_terms import suitable
-from robomore.designers.offline.robot_semantics import Anatomy, anatomy
+from robomore.designers.offline.robot_semantics import robot_semantics
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
 from robomore.types import Reward, Slot
 
 DRAWS = 60
-"""Recipes that a proposal is chosen from."""
+"""Compositions that a proposal is chosen from."""
 
 
 class RewardSampler:
@@ -32,51 +32,51 @@ class RewardSampler:
     def __init__(self, task: Task, seed: int) -> None:
         self._task = task
         self._seed = seed
-        self.body: Anatomy = anatomy(task)
-        self.suitable = suitable(self.body)
+        self.robot = robot_semantics(task)
+        self.suitable = suitable(self.robot)
         self.leads = [term for term in self.suitable if term.part == "task"]
 
-    def propose(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
-        """Return the most different of some sane rewards; without `earlier` ones, a plain one.
+    def sample(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
+        """Return the most different of several random rewards, or a plain one if it is the first.
 
         Raises:
-            ProposalFailed: no term is known that asks for the task, or no draw is new.
+            ProposalFailed: no term for the task itself suits the robot, or no sample is new.
         """
         if not self.leads:
             raise ProposalFailed(f"{self._task.id}: no reward term for this robot's task is known")
         random = np.random.default_rng(derive_seed(self._seed, "reward", slot))
         known = {reward.source for reward in earlier}
-        others = [self.recipe(reward.source) for reward in earlier]
+        others = [self.composition(reward.source) for reward in earlier]
         if not others and slot.attempt == 0:
             draws = [self._plain(random)]
         else:
             draws = [self._drawn(random) for _ in range(DRAWS)]
-        fresh = [draw for draw in draws if draw.source(self.body) not in known]
+        fresh = [draw for draw in draws if draw.source(self.robot) not in known]
         if not fresh:
-            raise ProposalFailed(f"{self._task.id}: no reward was found that is not there already")
+            raise ProposalFailed(f"{self._task.id}: no new reward was found")
         best = max(fresh, key=lambda draw: _novelty(draw, others))
-        return Reward(best.source(self.body), best.idea())
+        return Reward(best.source(self.robot), best.idea())
 
-    def recipe(self, source: str) -> RewardComposition:
-        """Return the recipe of one of our texts, or the nearest one to anybody else's."""
-        return read(source, self.body) or guessed(source, self.suitable)
+    def composition(self, source: str) -> RewardComposition:
+        """Return the composition of a text of this class, or the nearest one to any other text."""
+        return parse_composition(source, self.robot) or guess_composition(source, self.suitable)
 
     def drawn_weight(self, term: Term, random: np.random.Generator) -> float:
-        """Return a weight from the term's range, uniform in its logarithm."""
+        """Return a random weight from the term's range, uniform in its logarithm."""
         return rounded(math.exp(random.uniform(math.log(term.low), math.log(term.high))))
 
     def _plain(self, random: np.random.Generator) -> RewardComposition:
-        """Return what everybody starts with: the task, staying alive, little effort."""
+        """Return the usual first reward: the task itself, survival and little effort."""
         chosen = [self.leads[0]]
         chosen += [term for term in self.suitable if term.part == "survival"]
         chosen += [term for term in self.suitable if term.topic == "effort"][:1]
         return RewardComposition({term.name: self.drawn_weight(term, random) for term in chosen})
 
     def _drawn(self, random: np.random.Generator) -> RewardComposition:
-        """Return a random sane recipe: one leading term, one to three bonuses, one or two costs."""
-        recipe = RewardComposition({}, STYLES[random.integers(len(STYLES))])
+        """Return a random composition: one leading term, up to three bonuses, up to two costs."""
+        composition = RewardComposition({}, STYLES[random.integers(len(STYLES))])
         lead = self.leads[random.integers(len(self.leads))]
-        recipe = recipe.having(lead, self.drawn_weight(lead, random))
+        composition = composition.with_term(lead, self.drawn_weight(lead, random))
         for part, count in (
             ("survival", int(random.random() < 0.9)),
             ("bonus", random.integers(1, 4)),
@@ -84,39 +84,40 @@ class RewardSampler:
         ):
             pool = [term for term in self.suitable if term.part == part]
             for i in random.permutation(len(pool))[:count]:
-                if pool[i].topic not in {term.topic for term in recipe.terms}:
-                    recipe = recipe.having(pool[i], self.drawn_weight(pool[i], random))
-        return led(recipe)
+                if pool[i].topic not in {term.topic for term in composition.terms}:
+                    composition = composition.with_term(pool[i], self.drawn_weight(pool[i], random))
+        return damped(composition)
 
 
-def led(recipe: RewardComposition) -> RewardComposition:
-    """Return the recipe with bonuses damped where they could outweigh the task together.
+def damped(composition: RewardComposition) -> RewardComposition:
+    """Return the composition with smaller bonuses, if all bonuses together outweigh the task.
 
-    What a robot gets for standing there (survival and bonuses at their largest) must stay below
-    what it gets for a moderate speed or height.
+    The largest reward for standing still (survival and bonuses) must stay below the reward for a
+    moderate speed or height.
     """
-    lead = recipe.lead
-    standing = [term for term in recipe.terms if term.part in ("survival", "bonus")]
-    total = sum(recipe.weights[term.name] for term in standing)
-    if lead is None or total <= recipe.weights[lead.name]:
-        return recipe
-    share = recipe.weights[lead.name] / total
+    lead = composition.lead
+    standing = [term for term in composition.terms if term.part in ("survival", "bonus")]
+    total = sum(composition.weights[term.name] for term in standing)
+    if lead is None or total <= composition.weights[lead.name]:
+        return composition
+    share = composition.weights[lead.name] / total
     for term in standing:
-        recipe = RewardComposition(
-            {**recipe.weights, term.name: rounded(recipe.weights[term.name] * share)}, recipe.style
+        composition = RewardComposition(
+            {**composition.weights, term.name: rounded(composition.weights[term.name] * share)},
+            composition.style,
         )
-    return recipe
+    return composition
 
 
-def _novelty(recipe: RewardComposition, others: Sequence[RewardComposition]) -> float:
-    """Return how unlike the nearest of `others` a recipe is."""
-    return min((_unlike(recipe, other) for other in others), default=1.0)
+def _novelty(composition: RewardComposition, others: Sequence[RewardComposition]) -> float:
+    """Return the distance of a composition to the nearest of `others`."""
+    return min((_distance(composition, other) for other in others), default=1.0)
 
 
-def _unlike(one: RewardComposition, other: RewardComposition) -> float:
-    """Return the Jaccard distance of the terms, and a little for weights and style.
+def _distance(one: RewardComposition, other: RewardComposition) -> float:
+    """Return the Jaccard distance of the terms, plus a little for the weights and the style.
 
-    Staying alive is no difference: a robot that can fall needs it in nearly every reward.
+    Survival does not count, because nearly every reward of a robot that can fall has it.
     """
     mine, theirs = ({t.name for t in r.terms if t.part != "survival"} for r in (one, other))
     shared = mine & theirs

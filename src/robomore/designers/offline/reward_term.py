@@ -1,4 +1,4 @@
-"""One term of a reward: what it asks for, its code, and the weights that keep it in place."""
+"""One term of a reward: its purpose, its code, and its range of weights."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from robomore.designers.offline.robot_semantics import Anatomy
+from robomore.designers.offline.robot_semantics import RobotSemantics
 
 Part = Literal["task", "survival", "bonus", "cost"]
 
@@ -16,17 +16,17 @@ class Term:
     """One term of a reward.
 
     Attributes:
-        name: of the variable, and of the term in the returned dict.
-        part: `task` leads; a `bonus` hints at how, a `cost` is subtracted.
-        idea: what it asks for, in a few words.
-        comment: stands above it in the program.
-        code: lines that end in an assignment to `name`. `{w}` is the weight, other braces are names
-            of `Anatomy.expressions`; the term suits robots that have them all.
+        name: name of the variable, and of the term in the returned dictionary.
+        part: `task` is what the task asks for, a `bonus` suggests how, a `cost` is subtracted.
+        idea: its purpose in a few words.
+        comment: comment above it in the program.
+        code: lines that end with an assignment to `name`. `{w}` is the weight. Other braces are
+            names of `RobotSemantics.expressions`, and the term suits robots that have them all.
         low: smallest weight.
         high: largest weight.
-        topic: terms of one topic say nearly the same; a reward has at most one of them.
-        needs: names of `Anatomy.expressions` that `code` does not mention.
-        goal: the kind of task it suits.
+        topic: terms with the same topic have nearly the same effect. A reward has at most one.
+        needs: names of `RobotSemantics.expressions` that are needed but not in `code`.
+        goal: the kind of task that it suits.
     """
 
     name: str
@@ -42,16 +42,16 @@ class Term:
 
     @property
     def sign(self) -> int:
-        """-1 for a cost, else 1."""
+        """-1 for a cost, otherwise 1."""
         return -1 if self.part == "cost" else 1
 
-    def suits(self, body: Anatomy) -> bool:
-        """Whether the robot has all that this term reads, and the task wants it."""
-        wanted = "height" if body.jumps else "distance"
+    def suits(self, robot: RobotSemantics) -> bool:
+        """Return whether the robot has all that this term reads, and the task asks for it."""
+        wanted = "height" if robot.jumps else "distance"
         read = {*re.findall(r"\{(\w+)\}", self.code), *self.needs} - {"w"}
-        return self.goal in ("any", wanted) and read <= set(body.expressions)
+        return self.goal in ("any", wanted) and read <= set(robot.expressions)
 
-    def lines(self, body: Anatomy, weight: float) -> list[str]:
+    def lines(self, robot: RobotSemantics, weight: float) -> list[str]:
         """Return its comment and code for one robot."""
-        code = self.code.format_map({**body.expressions, "w": f"{weight:g}"})
+        code = self.code.format_map({**robot.expressions, "w": f"{weight:g}"})
         return [f"# {self.comment}", *code.splitlines()]

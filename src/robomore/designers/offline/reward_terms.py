@@ -1,15 +1,15 @@
-"""The field's reward terms, as readable Python, each with a sane range of weights."""
+"""The common reward terms of the field as readable Python, each with a range of weights."""
 
 from __future__ import annotations
 
 from robomore.designers.offline.reward_leads import FORWARD, UPWARD
 from robomore.designers.offline.reward_term import Term
-from robomore.designers.offline.robot_semantics import Anatomy
+from robomore.designers.offline.robot_semantics import RobotSemantics
 
 
-def suitable(body: Anatomy) -> tuple[Term, ...]:
+def suitable(robot: RobotSemantics) -> tuple[Term, ...]:
     """Return the terms that suit a robot and its task."""
-    return tuple(term for term in TERMS.values() if term.suits(body))
+    return tuple(term for term in TERMS.values() if term.suits(robot))
 
 
 def _cost(
@@ -46,7 +46,7 @@ _BONUSES = (
         "facing_ahead",
         "bonus",
         "straight heading",
-        "1 when the body points along the course.",
+        "1 when the torso points along the course.",
         "facing_ahead = {w} * ({heading})",
         0.1,
         0.4,
@@ -55,7 +55,7 @@ _BONUSES = (
     Term(
         "riding_height",
         "bonus",
-        "constant riding height",
+        "constant torso height",
         "Keeps the torso near its starting height.",
         "riding_height = {w} * np.exp(-8.0 * np.square({height} - {rest}))",
         0.1,
@@ -66,8 +66,8 @@ _BONUSES = (
     Term(
         "hopping",
         "bonus",
-        "hops off the ground",
-        "A gait with a flight phase: some height over the start, up to half a metre, pays.",
+        "hops",
+        "A gait with a flight phase: up to half a metre above the starting height counts.",
         "hopping = {w} * np.clip({height} - {rest}, 0.0, 0.5)",
         0.3,
         1.5,
@@ -78,7 +78,7 @@ _BONUSES = (
         "rolling",
         "bonus",
         "roll forward",
-        "Turning forward about the sideways axis: bodies with short limbs may do best by rolling.",
+        "Forward rotation: robots with short limbs may move best by rolling.",
         "rolling = {w} * np.clip({tip}, -5.0, 5.0)",
         0.02,
         0.12,
@@ -89,8 +89,8 @@ _BONUSES = (
     Term(
         "alternation",
         "bonus",
-        "legs in turn",
-        "The two hips should swing against each other.",
+        "alternating legs",
+        "The two hips should swing in opposite directions.",
         "alternation = {w} * np.tanh(-{hip_rate} * {other_hip_rate})",
         0.05,
         0.3,
@@ -102,7 +102,7 @@ _BONUSES = (
         "stride",
         "bonus",
         "long strides",
-        "How far apart the two hips are swung, in rad.",
+        "Difference between the two hip angles, in rad.",
         "stride = {w} * np.abs({hip_angle} - {other_hip_angle})",
         0.1,
         0.4,
@@ -113,8 +113,8 @@ _BONUSES = (
     Term(
         "diagonal_gait",
         "bonus",
-        "diagonal legs together",
-        "A trot: the two legs of a diagonal swing forward together.",
+        "trot",
+        "The two legs of a diagonal swing forward together.",
         "diagonal_gait = {w} * (np.tanh(-{hip1} * {hip3}) + np.tanh(-{hip2} * {hip4}))",
         0.03,
         0.2,
@@ -125,7 +125,7 @@ _BONUSES = (
         "joint_push_off",
         "bonus",
         "all legs push at once",
-        "All hips still while the rest of the leg works: one common push-off.",
+        "The hips stay still while the rest of the legs moves: one common push-off.",
         "hips = np.array([{hip1}, {hip2}, {hip3}, {hip4}])\n"
         "joint_push_off = {w} * np.exp(-np.mean(np.square(hips)))",
         0.1,
@@ -136,8 +136,8 @@ _BONUSES = (
     Term(
         "springy_knee",
         "bonus",
-        "springy knee",
-        "A knee that bends and stretches briskly drives the hop.",
+        "active knee",
+        "A knee that bends and stretches fast drives the hop.",
         "springy_knee = {w} * np.tanh(0.3 * np.abs({knee_rate}))",
         0.1,
         0.4,
@@ -147,7 +147,7 @@ _BONUSES = (
         "travelling_wave",
         "bonus",
         "a wave from front to back",
-        "A bend that travels from the front joint to the back one pushes against the fluid.",
+        "A bend that moves from the front joint to the back joint pushes against the fluid.",
         "wave = {bend} * {next_bend_rate} - {next_bend} * {bend_rate}\n"
         "travelling_wave = {w} * np.tanh(wave)",
         0.05,
@@ -157,8 +157,8 @@ _BONUSES = (
     Term(
         "activity",
         "bonus",
-        "keep moving the joints",
-        "Standing still is a trap for light bodies: some motion of the joints is worth a little.",
+        "moving joints",
+        "A small reward for motion of the joints, so that the robot does not stand still.",
         "activity = {w} * np.tanh(np.mean(np.abs({rates})) / 5.0)",
         0.1,
         0.5,
@@ -167,8 +167,8 @@ _BONUSES = (
     Term(
         "whole_range",
         "bonus",
-        "use the joints' range",
-        "Joints that leave their middle position, in rad.",
+        "wide joint motion",
+        "Spread of the joint angles, in rad.",
         "whole_range = {w} * np.tanh(np.std({angles}))",
         0.1,
         0.4,
@@ -189,7 +189,7 @@ _COSTS = (
     _cost(
         "strain",
         "little mean torque",
-        "Mean size of the torques.",
+        "Mean absolute torque.",
         "strain = {w} * np.mean(np.abs(action))",
         0.05,
         0.4,
@@ -207,7 +207,7 @@ _COSTS = (
     _cost(
         "saturation",
         "no motor at its limit",
-        "Grows steeply only when motors run near their limits.",
+        "Grows steeply when motors run near their limits.",
         "saturation = {w} * np.mean(np.power(action, 6))",
         0.05,
         0.4,
@@ -227,8 +227,8 @@ _COSTS = (
     ),
     _cost(
         "joint_speed",
-        "calm joints",
-        "Squared joint speeds; fast flailing wears a robot out.",
+        "slow joints",
+        "Squared joint speeds.",
         "joint_speed = {w} * np.mean(np.square({rates}))",
         0.001,
         0.005,
@@ -236,8 +236,8 @@ _COSTS = (
     ),
     _cost(
         "hard_contact",
-        "soft footfalls",
-        "Contact forces on the bodies, clipped so that one impact does not drown the rest.",
+        "soft contacts",
+        "Contact forces, clipped so that one impact does not dominate the reward.",
         "forces = np.clip({contacts}, -1.0, 1.0)\nhard_contact = {w} * np.sum(np.square(forces))",
         0.0002,
         0.002,
@@ -246,8 +246,8 @@ _COSTS = (
     Term(
         "bobbing",
         "cost",
-        "a level ride",
-        "Vertical speed does not help to get ahead.",
+        "little vertical motion",
+        "Squared vertical speed, which does not help to move forward.",
         "bobbing = {w} * np.square({lift})",
         0.02,
         0.15,
@@ -256,8 +256,8 @@ _COSTS = (
     ),
     _cost(
         "wobble",
-        "a torso that does not swing",
-        "Turning of the torso, (rad/s) squared, up to a limit.",
+        "steady torso",
+        "Squared turning rate of the torso, in (rad/s)², up to a limit.",
         "wobble = {w} * np.minimum({spin}, 25.0)",
         0.004,
         0.03,
@@ -283,7 +283,7 @@ _COSTS = (
     ),
     _cost(
         "off_course",
-        "back to the course",
+        "stay on the course",
         "Distance from the straight course, in m, up to a limit.",
         "off_course = {w} * np.minimum(np.abs({offset}), 3.0)",
         0.03,
@@ -295,4 +295,4 @@ _COSTS = (
 TERMS: dict[str, Term] = {
     term.name: term for term in (*FORWARD, *UPWARD, *_SURVIVAL, *_BONUSES, *_COSTS)
 }
-"""All terms by name, those of the task first."""
+"""All terms by name. Those for the task itself come first."""

@@ -1,7 +1,7 @@
-"""What a reward can read on a robot: which numbers of the simulation mean what.
+"""The meaning of a robot's state variables: which numbers of the simulation a reward can read.
 
-Read off the task's MJCF template (its joints and motors, in MuJoCo's order), so that a robot of a
-third party gets the terms that fit it as well.
+They follow from the task's MJCF template: its joints and motors, in MuJoCo's order. So a robot of a
+third party gets the reward terms that fit it, too.
 """
 
 from __future__ import annotations
@@ -13,22 +13,23 @@ from dataclasses import dataclass
 from robomore.tasks.task import Task
 
 _SIZES = {"free": (7, 6), "ball": (4, 3), "slide": (1, 1), "hinge": (1, 1)}
-"""Numbers that a joint adds to qpos and to qvel."""
+"""Numbers that a joint adds to `qpos` and to `qvel`."""
 
 
 @dataclass(frozen=True, slots=True)
-class Anatomy:
-    """Names of measurable things -> Python expressions inside `_get_rew`.
+class RobotSemantics:
+    """Python expressions within `_get_rew` for the quantities of one robot.
 
     Attributes:
-        expressions: what this robot has. `height` and `rest` of the torso, `lift` (vertical speed),
-            `up` (1 when upright), `tip` (forward pitch rate), `roll_free` (may roll over), `spin`
-            (squared turning rate), `sideways` (speed off the course), `offset` (distance off the
-            course), `heading` (1 when facing along the course), `contacts` (forces), `rates` of
-            the driven joints in the motors' order, `angles` likewise, `legs1`, `legs2`, `legs4` or
-            `chain` with the joints whose rhythm makes a gait, `falls` (an episode ends when the
-            robot is unhealthy). An empty expression says that something is so.
-        jumps: the task asks for height, not for distance.
+        expressions: the quantities that this robot has, by name. An empty expression is a plain
+            fact. `height` of the torso and its `rest` value, `lift` (vertical speed), `up` (1 when
+            upright), `tip` (forward pitch rate), `roll_free` (the robot may roll over), `spin`
+            (squared turning rate), `sideways` (speed across the course), `offset` (distance from
+            the course), `heading` (1 when facing along the course), `contacts` (forces), `rates`
+            and `angles` of the driven joints in the motors' order, `legs1`, `legs2`, `legs4` or
+            `chain` with the joints of a gait, `falls` (an episode ends when the robot is
+            unhealthy).
+        jumps: whether the task asks for height and not for distance.
     """
 
     expressions: Mapping[str, str]
@@ -44,12 +45,12 @@ class _Joint:
     velocity: int
 
 
-def anatomy(task: Task) -> Anatomy:
+def robot_semantics(task: Task) -> RobotSemantics:
     """Return what a reward can read on the robot of `task`."""
     world = ET.fromstring(task.template).find("worldbody")
     torso = None if world is None else world.find("body")
     if torso is None:
-        return Anatomy({}, task.fitness == "height")
+        return RobotSemantics({}, task.fitness == "height")
     joints = _numbered(torso)
     own = [joint for joint in joints if joint.name in _names(torso.findall("joint"))]
     found = _of_root(own)
@@ -64,18 +65,18 @@ def anatomy(task: Task) -> Anatomy:
     ]
     found |= _of_legs([leg for leg in legs if leg], found)
     if task.terrain is not None:
-        # The ground rises and falls under the robot: its height says nothing.
+        # On uneven ground the height of the torso says nothing.
         found = {name: text for name, text in found.items() if name not in ("height", "rest")}
     options = task.options(dict(zip(task.names, task.reference, strict=True)))
     if any(name.startswith("healthy_") for name in options):
         found["falls"] = "self.is_healthy"
     elif "tip" in found:
         found["roll_free"] = ""
-    return Anatomy(found, task.fitness == "height")
+    return RobotSemantics(found, task.fitness == "height")
 
 
 def _of_root(joints: Sequence[_Joint]) -> dict[str, str]:
-    """Return what the torso's own joints tell of it."""
+    """Return the quantities that follow from the torso's own joints."""
     kinds = [joint.kind for joint in joints]
     if kinds == ["free"]:
         return {
@@ -113,7 +114,7 @@ def _of_root(joints: Sequence[_Joint]) -> dict[str, str]:
 
 
 def _of_legs(legs: Sequence[Sequence[_Joint]], found: Mapping[str, str]) -> dict[str, str]:
-    """Return the joints whose rhythm makes a gait."""
+    """Return the quantities of the joints that make a gait."""
 
     def rate(joint: _Joint) -> str:
         return f"self.data.qvel[{joint.velocity}]"
@@ -131,8 +132,8 @@ def _of_legs(legs: Sequence[Sequence[_Joint]], found: Mapping[str, str]) -> dict
             "other_hip_angle": angle(other),
         }
     if len(legs) == 4 and "roll_free" in found:
-        # Counted around the body: the first and third leg are a diagonal, and so are the others.
-        # Seen from above, a left leg swings forward clockwise and a right leg counter-clockwise.
+        # The legs are counted around the torso, so the first and the third are a diagonal. Seen
+        # from above, a left leg swings forward clockwise and a right leg counter-clockwise.
         return {"legs4": "", **{f"hip{i}": rate(leg[0]) for i, leg in enumerate(legs, 1)}}
     if len(legs) == 1 and "lift" in found and len(legs[0]) >= 2:
         return {"legs1": "", "knee_rate": rate(legs[0][1]), "knee_angle": angle(legs[0][1])}
@@ -149,7 +150,7 @@ def _of_legs(legs: Sequence[Sequence[_Joint]], found: Mapping[str, str]) -> dict
 
 
 def _numbered(torso: ET.Element) -> list[_Joint]:
-    """Return all joints in MuJoCo's order (a body's own before its children's)."""
+    """Return all joints in MuJoCo's order: a body's own joints before those of its children."""
     joints: list[_Joint] = []
     for joint in _joints(torso):
         kind = joint.get("type", "hinge")
@@ -169,7 +170,7 @@ def _joints(body: ET.Element) -> Iterator[ET.Element]:
 
 
 def _driven(task: Task, joints: Sequence[_Joint]) -> list[_Joint]:
-    """Return the joint of each motor, in the motors' order: that of the action."""
+    """Return the joint of each motor, in the motors' order, which is that of the action."""
     by_name = {joint.name: joint for joint in joints}
     motors = ET.fromstring(task.template).findall("actuator/*")
     found = [by_name[name] for motor in motors if (name := motor.get("joint", "")) in by_name]
@@ -181,7 +182,7 @@ def _names(joints: Iterable[ET.Element]) -> set[str]:
 
 
 def _indexed(array: str, indices: Sequence[int]) -> str:
-    """Return `array[3:9]` where the indices run on, and `array[[12, 13, 6]]` where they do not."""
+    """Return `array[3:9]` for consecutive indices, and `array[[12, 13, 6]]` for others."""
     if list(indices) == list(range(indices[0], indices[0] + len(indices))):
         return f"{array}[{indices[0]}:{indices[0] + len(indices)}]"
     return f"{array}[{list(indices)}]"

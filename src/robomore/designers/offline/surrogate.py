@@ -1,4 +1,4 @@
-"""A small Gaussian process: what is known of bodies that were measured, and how sure that is."""
+"""A small Gaussian process as the surrogate model of evaluations."""
 
 from __future__ import annotations
 
@@ -7,27 +7,27 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.special import ndtr
 
-from robomore.designers.offline.space import distances
+from robomore.tasks.unit_space import distances
 
 Array = NDArray[np.float64]
 
 LENGTH_SCALES = (0.15, 0.25, 0.4, 0.65, 1.0)
-"""Tried, as multiples of the square root of the dimension: typical distances grow with it."""
+"""Length scales that are tried, in units of sqrt(dimension), with which distances grow."""
 
-NOISE_SHARES = (0.02, 0.1, 0.3, 0.6)
-"""Tried: share of the variance that is luck of training and of the reward."""
+NOISE_FRACTIONS = (0.02, 0.1, 0.3, 0.6)
+"""Noise levels that are tried, as fractions of the variance."""
 
 
 class GaussianProcess:
-    """Matérn-5/2 kernel, one length scale, constant mean; the likeliest of a few settings.
+    """A Gaussian process with a Matérn-5/2 kernel, one length scale and a constant mean.
 
-    One length scale, not one per parameter: a search measures tens of bodies with up to 24
-    parameters, too few to tell the parameters' importances apart.
+    The length scale and the noise are those with the highest likelihood. There is one length scale
+    for all parameters, because a search evaluates too few morphologies for one each.
 
     Args:
-        points: (n, size) in the unit cube.
-        values: (n,).
-        counts: (n,) how many measurements each value averages.
+        points: points in the unit cube, (n, size).
+        values: value at each point, (n,).
+        counts: number of measurements that each value averages, (n,).
     """
 
     def __init__(self, points: Array, values: Array, counts: Array) -> None:
@@ -39,7 +39,7 @@ class GaussianProcess:
         apart = distances(points, points)
         best = -np.inf
         for length in np.sqrt(points.shape[1]) * np.array(LENGTH_SCALES):
-            for noise in NOISE_SHARES:
+            for noise in NOISE_FRACTIONS:
                 kernel = (1 - noise) * _matern(apart / length)
                 kernel[np.diag_indices_from(kernel)] += noise / counts + 1e-9
                 factor = cho_factor(kernel, lower=True)
@@ -51,7 +51,7 @@ class GaussianProcess:
                     self._factor, self._weights = factor, weights
 
     def predict(self, points: Array) -> tuple[Array, Array]:
-        """Return mean and standard deviation, each (m,), of the noiseless value at `points`."""
+        """Return mean and standard deviation, both (m,), of the noiseless value at `points`."""
         cross = self._signal * _matern(distances(points, self._points) / self._length)
         mean = self._mean + self._scale * cross @ self._weights
         explained = (cross * cho_solve(self._factor, cross.T).T).sum(axis=1)
@@ -60,7 +60,7 @@ class GaussianProcess:
 
 
 def expected_improvement(mean: Array, deviation: Array, best: float) -> Array:
-    """Return by how much a normal variable is expected to exceed `best`, 0 where it falls short."""
+    """Return the expected excess of a normal variable over `best`, with 0 for no excess."""
     gain = (mean - best) / deviation
     density = np.exp(-0.5 * gain**2) / np.sqrt(2 * np.pi)
     improvement: Array = deviation * (gain * ndtr(gain) + density)

@@ -24,7 +24,7 @@ RewardFunction = Callable[[Any, float, Array], tuple[float, Mapping[str, float]]
 class RobotEnvironment(MujocoEnv):
     """Stands before an official v5 class: `class HopperEnvironment(RobotEnvironment, HopperEnv)`.
 
-    Methods that start with `batch_` are the same facts for n simulations at once; they depend on
+    Methods that start with `batch_` are the same facts for many simulations at once; they depend on
     the constructor's options and on their arguments alone.
     """
 
@@ -85,20 +85,25 @@ class RobotEnvironment(MujocoEnv):
         return False
 
     def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
-        """Return observations (n, observation size) as a new array.
+        """Return observations (num_envs, observation size) as a new array.
 
         Args:
-            state: (n, nq + nv) positions and velocities.
-            cfrc_ext: (n, bodies, 6) contact forces; not read where the robot does not observe them.
+            state: (num_envs, nq + nv) positions and velocities.
+            cfrc_ext: (num_envs, bodies, 6) contact forces; not read where the robot does not observe them.
         """
         return state[:, self.observation_structure["skipped_qpos"] :].copy()
 
     def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
-        """Return (n,) bool: whether an episode may go on with this `state` (n, nq + nv)."""
+        """Return (num_envs,) bool: whether an episode may go on with this `state` (num_envs, nq + nv)."""
         return np.ones(len(state), dtype=np.bool_)
 
+    @classmethod
+    def judges_health(cls) -> bool:
+        """Whether `batch_healthy` looks at the state at all."""
+        return cls.batch_healthy is not RobotEnvironment.batch_healthy
+
     def batch_root(self, qpos: Array) -> Array:
-        """Return (n, 2): x and z of the torso, in m."""
+        """Return (num_envs, 2): x and z of the torso, in m."""
         # Slide joints count from the pose in which the model was written down.
         origin: Array = self.model.body_pos[1, [0, 2]] - self.model.qpos0[:2]
         return qpos[:, :2] + origin
@@ -154,6 +159,6 @@ def clip_in_place(values: Array, low: float, high: float) -> None:
 
 
 def all_of_each(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return (n,) whether all of a row are true, without the detour that `rows.all` makes."""
+    """Return (num_envs,) whether all of a row are true, without the detour that `rows.all` makes."""
     every: NDArray[np.bool_] = np.logical_and.reduce(rows, axis=1)
     return every

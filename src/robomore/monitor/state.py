@@ -1,0 +1,182 @@
+"""What goes on in a run, gathered from its events: counts, the best so far, and how fast it is."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter, deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from robomore.events import (
+    BatchBegan,
+    Event,
+    Finished,
+    Progressed,
+    Proposed,
+    RunBegan,
+    Spent,
+    Started,
+)
+from robomore.monitor.remaining import Work, seconds_left
+from robomore.plan import Stage
+from robomore.types import Evaluation, Place, Status
+
+_IDEAS = 3
+
+
+@dataclass(slots=True)
+class Running:
+    """An evaluation that a worker is busy with.
+
+    Attributes:
+        place: where in the run.
+        total: control steps of its training.
+        before: how many of them were done when it began; its training goes on from there.
+        steps: how many are done by now.
+        began: on the clock.
+    """
+
+    place: Place
+    total: int
+    before: int
+    steps: int
+    began: float
+
+
+@dataclass(slots=True)
+class RunState:
+    """An observer that remembers.
+
+    Attributes:
+        clock: seconds that only grow.
+        run: what was asked for, once it began.
+        stage: name of the current batch's stage; empty before the first batch.
+        asked: evaluations of the current batch.
+        open: places of the current batch that are not measured yet.
+        running: evaluations under way, by key.
+        counts: finished evaluations by status, those known from before among them.
+        known: finished evaluations that were known from before.
+        leaders: the best of the search and where they were found, best first; as many as there
+            will be finalists.
+        ideas: the latest proposals, newest last.
+        spent: on a language model so far; `None` where none was asked.
+        trouble: diagnosis of the latest failure.
+        began: on the clock.
+    """
+
+    clock: Callable[[], float] = time.monotonic
+    run: RunBegan | None = None
+    stage: str = ""
+    asked: int = 0
+    open: list[Place] = field(default_factory=list)
+    running: dict[str, Running] = field(default_factory=dict)
+    counts: Counter[Status] = field(default_factory=Counter)
+    known: int = 0
+    leaders: list[tuple[Evaluation, Place]] = field(default_factory=list)
+    ideas: deque[Proposed] = field(default_factory=lambda: deque(maxlen=_IDEAS))
+    spent: Spent | None = None
+    trouble: str = ""
+    began: float = 0.0
+    _work: Work = field(default_factory=Work)
+
+    def __post_init__(self) -> None:
+        self.began = self.clock()
+
+    def __call__(self, event: Event) -> None:
+        match event:
+            case RunBegan():
+                self.run = event
+            case Proposed():
+                self.ideas.append(event)
+            case Spent():
+                self.spent = event
+            case BatchBegan(places):
+                self._batch_began(places)
+            case Started(key, place, steps):
+                before = self._work.trained.get(place, 0)
+                self.running[key] = Running(place, steps, before, before, self.clock())
+                self._work.target = steps
+            case Progressed(key, steps) if key in self.running:
+                self.running[key].steps = max(steps, self.running[key].before)
+            case Finished(evaluation, place, known):
+                self._finished(evaluation, place, known)
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the start."""
+        return self.clock() - self.began
+
+    @property
+    def done(self) -> int:
+        """Evaluations of the current batch that are measured."""
+        return self.asked - len(self.open)
+
+    @property
+    def failed(self) -> int:
+        """Evaluations that failed, over the whole run."""
+        return self.counts.total() - self.counts[Status.OK]
+
+    @property
+    def best(self) -> tuple[Evaluation, Place] | None:
+        """The best of the search, by its objective, and where it was found."""
+        return self.leaders[0] if self.leaders else None
+
+    @property
+    def search_steps(self) -> int:
+        """Control steps of training that the search has used, the final left out."""
+        return sum(
+            steps
+            for name, steps in self._work.used.items()
+            if self.run is None or self.run.plan.stage(name).role != "final"
+        )
+
+    @property
+    def objective(self) -> str:
+        """What the search compares."""
+        return self.run.settings.objective if self.run else "efficiency"
+
+    def time_left(self) -> float | None:
+        """Return about how many seconds are left, or `None` before anything was measured."""
+        if self.run is None:
+            return None
+        running = list(self.running.values())
+        busy = {one.place for one in running}
+        waiting = [place for place in self.open if place not in busy]
+        leaders = [evaluation for evaluation, _ in self.leaders]
+        return seconds_left(
+            self.run, self._work, waiting, running, leaders, self.clock(), self.elapsed
+        )
+
+    def _stage(self, place: Place) -> Stage:
+        return self.run.plan.stage(place.stage) if self.run else Stage(name=place.stage)
+
+    def _batch_began(self, places: tuple[Place, ...]) -> None:
+        self.stage = places[0].stage if places else self.stage
+        self.asked, self.open = len(places), list(places)
+        self.running.clear()
+        if places and self.run:
+            self._work.begin(self.run.plan, self._stage(places[0]))
+
+    def _finished(self, evaluation: Evaluation, place: Place, known: bool) -> None:
+        self.counts[evaluation.status] += 1
+        self.known += known
+        if place in self.open:
+            self.open.remove(place)
+        running = self.running.pop(evaluation.key, None)
+        # One that fails ends early.
+        timed = running is not None and evaluation.ok
+        seconds = self.clock() - running.began if running and timed else None
+        self._work.finish(place, evaluation.job.steps, seconds)
+        if not evaluation.ok:
+            self.trouble = f"{evaluation.status}: {evaluation.diagnosis}"
+        elif self._stage(place).role == "search":
+            self._rank(evaluation, place)
+
+    def _rank(self, evaluation: Evaluation, place: Place) -> None:
+        if self.run is None or evaluation.job.steps < self.run.settings.candidate.steps:
+            return  # What was not trained to the end is not to be compared with what was.
+        if all(evaluation.design != other.design for other, _ in self.leaders):
+            self.leaders.append((evaluation, place))
+            # Equals stay in the order in which they were found.
+            self.leaders.sort(key=lambda one: -(one[0].score(self.objective) or 0.0))
+            del self.leaders[self.run.settings.final.finalists :]

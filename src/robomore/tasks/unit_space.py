@@ -1,0 +1,69 @@
+"""The unit cube of a task's parameters: each parameter on its own scale, stretched to [0, 1]."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.errors import InvalidMorphology
+from robomore.tasks.task import Task
+
+Array = NDArray[np.float64]
+
+DECIMALS = 5
+"""Decimals of a proposed parameter. Training cannot tell finer differences apart."""
+
+
+class UnitSpace:
+    """Maps parameter values to points of the unit cube and back.
+
+    A parameter with a logarithmic scale is stretched logarithmically. So a step of one size doubles
+    such a parameter wherever it starts.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self.size = len(task.parameters)
+        self._low = np.array([parameter.low for parameter in task.parameters])
+        self._high = np.array([parameter.high for parameter in task.parameters])
+        self._log = np.array([parameter.scale == "log" for parameter in task.parameters])
+        self._start = self._stretch(self._low)
+        self._width = self._stretch(self._high) - self._start
+
+    def units(self, values: Sequence[Sequence[float]] | Array) -> Array:
+        """Return the points (n, size) of the unit cube for parameter values (n, size)."""
+        rows = np.asarray(values, dtype=float).reshape(-1, self.size)
+        return (self._stretch(np.clip(rows, self._low, self._high)) - self._start) / self._width
+
+    def values(self, units: Array) -> Array:
+        """Return the parameter values (n, size) of points, rounded and within the bounds."""
+        stretched = self._start + np.clip(units, 0, 1) * self._width
+        values = np.where(self._log, np.exp(np.where(self._log, stretched, 0)), stretched)
+        return np.clip(np.round(values, DECIMALS), self._low, self._high)
+
+    def valid(self, values: Array) -> NDArray[np.bool_]:
+        """Return which rows (n,) of the parameter values (n, size) the task accepts."""
+        return np.array([self._accepts(row) for row in values.tolist()], dtype=bool)
+
+    def volumes(self, values: Array) -> Array:
+        """Return the volumes (n,) in m³ of valid parameter values (n, size)."""
+        return np.array([self.task.volume(row) for row in values.tolist()])
+
+    def _accepts(self, values: Sequence[float]) -> bool:
+        try:
+            self.task.check(values)
+        except InvalidMorphology:
+            return False
+        return True
+
+    def _stretch(self, values: Array) -> Array:
+        return np.where(self._log, np.log(np.where(self._log, values, 1)), values)
+
+
+def distances(points: Array, others: Array) -> Array:
+    """Return the Euclidean distances (n, m) between `points` (n, size) and `others` (m, size)."""
+    square = (points**2).sum(1)[:, None] + (others**2).sum(1)[None, :] - 2 * points @ others.T
+    root: Array = np.sqrt(np.maximum(square, 0))
+    return root

@@ -1,0 +1,276 @@
+"""What a model is told: everything the paper's prompts tell it, and nothing that gives it away."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import re
+from importlib import resources
+from xml.etree import ElementTree
+
+import pytest
+from measured import body, evaluation, reward
+
+from robomore.designers.llm.designer import LLMSettings
+from robomore.designers.llm.estimate import estimate
+from robomore.designers.llm.history import HistorySettings
+from robomore.designers.llm.parsing import parse_morphology
+from robomore.designers.llm.prompting import (
+    KINDS,
+    morphology_schema,
+    render,
+    render_prompt,
+    repair_message,
+)
+from robomore.envs.robots import environment_class
+from robomore.envs.source import environment_source
+from robomore.errors import InputError
+from robomore.llm.tokens import estimate_tokens
+from robomore.tasks import TASKS, Task, get_task
+from robomore.types import Morphology, Reward
+
+EACH = pytest.mark.parametrize("task", [get_task(name) for name in TASKS], ids=list(TASKS))
+SWIMMER = get_task("swimmer")
+FILES = sorted(p.name for p in (resources.files("robomore.designers.llm") / "prompts").iterdir())
+
+
+def middle(task: Task) -> Morphology:
+    """A morphology that is not the reference."""
+    return Morphology(tuple(1.01 * p.reference for p in task.parameters), "in between")
+
+
+def text_of(task: Task, kind: str, **given) -> str:
+    if kind.startswith("improve"):
+        best = evaluation(middle(task), reward(), 3.0, task=task)
+        given = {"best": best, "measured": [best]} | given
+    messages = render_prompt(task, kind, **given)
+    assert [m.role for m in messages] == ["system", "user"]
+    return "\n".join(m.text for m in messages)
+
+
+def words(text: str) -> list[str]:
+    return re.findall(r"\w+|[^\w\s]", text)
+
+
+def windows(text: str, length: int) -> set[tuple[str, ...]]:
+    found = words(text)
+    return {tuple(found[i : i + length]) for i in range(len(found) - length + 1)}
+
+
+@EACH
+def test_the_morphology_prompt_tells_all(task: Task) -> None:
+    told = text_of(task, "morphology")
+    assert task.description in told and task.masked_mjcf.strip() in told
+    for parameter in task.parameters:
+        (row,) = [line for line in told.split("\n") if line.startswith(f"| {parameter.name} |")]
+        assert parameter.meaning in row and parameter.unit in row
+        assert f"| {parameter.low:g} | {parameter.high:g} |" in row
+        assert f'"{parameter.name}": …' in told
+    assert all(rule.text in told for rule in task.rules)
+    assert "fitness / volume" in told and "description" in told
+
+
+@EACH
+def test_the_reward_prompt_tells_all(task: Task) -> None:
+    told = text_of(task, "reward")
+    assert task.description in told and environment_source(task).strip() in told
+    for needed in ("def _get_rew(self, x_velocity, action)", "return reward, terms", "np.exp"):
+        assert needed in told
+
+
+@EACH
+@pytest.mark.parametrize("kind", ["morphology", "reward"])
+def test_no_prompt_depends_on_a_human_number(task: Task, kind: str) -> None:
+    other = tuple(
+        dataclasses.replace(p, reference=p.reference + 0.137 * (p.high - p.reference))
+        for p in task.parameters
+    )
+    changed = dataclasses.replace(task, parameters=other)
+    assert text_of(task, kind) == text_of(changed, kind)
+
+
+@EACH
+def test_no_human_number_is_left_in_the_mjcf(task: Task) -> None:
+    """Whatever gives the robot its shape is a placeholder, but for zeros."""
+    # The swimmer's first link hangs on a frame whose place means nothing.
+    allowed = {0.0, 0.5} if task.id == "swimmer" else {0.0}
+    assert not (allowed - {0.0}) & set(task.reference)
+    told = text_of(task, "morphology")
+    root = ElementTree.fromstring(re.search(r"```xml\n(.*?)\n```", told, re.DOTALL)[1])
+    worldbody = root.find("worldbody")
+    checked = 0
+    for robot in worldbody.findall("body"):
+        for element in robot.iter():
+            if element.tag not in ("geom", "body", "site", "joint"):
+                continue
+            for attribute in ("size", "fromto", "pos", "quat", "euler"):
+                value = re.sub(r"\{[^}]*\}", "", element.get(attribute, ""))
+                assert {float(v) for v in value.split()} <= allowed, (element.attrib, attribute)
+                checked += attribute in element.attrib
+    assert checked > 5
+    numbers = {f"{p.reference:g}" for p in task.parameters if p.reference not in (0.0, 1.0)}
+    placeholders = " ".join(re.findall(r"\{([^}]*)\}", told.split("```xml")[1].split("```")[0]))
+    assert not numbers & set(re.findall(r"\d+\.?\d*", placeholders))
+
+
+def secrets(task: Task) -> str:
+    """The task's reference reward, the official one, and the official helpers of it."""
+    ours = environment_class(task)
+    official = next(base for base in ours.__mro__ if base.__module__.startswith("gymnasium."))
+    found = [task.reward, inspect.getsource(official._get_rew)]
+    for name in ("control_cost", "contact_cost", "healthy_reward"):
+        helper = inspect.getattr_static(official, name, None)
+        if helper is not None:
+            found.append(inspect.getsource(getattr(helper, "fget", helper)))
+    return "\n".join(found)
+
+
+def leaks(task: Task, told: str) -> set[tuple[str, ...]]:
+    """Runs of six words and signs that stand both in the prompt and in the secrets."""
+    lines = [
+        line
+        for line in secrets(task).split("\n")
+        if not re.match(r"\s*(@|def |return reward, |return \w+$)", line)
+    ]
+    return windows("\n".join(lines), 6) & windows(told, 6)
+
+
+@EACH
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_fragment_of_the_official_reward(task: Task, kind: str) -> None:
+    told = text_of(task, kind)
+    assert not leaks(task, told)
+    for name in re.findall(r"self\.(_\w*(?:weight|reward|cost)\w*)", secrets(task)):
+        assert name not in told
+    for name in ("forward_reward", "ctrl_cost", "reward_weight", "cost_weight", "reward_info"):
+        assert name not in told
+
+
+@EACH
+def test_a_leak_would_be_noticed(task: Task) -> None:
+    for line in task.reward.split("\n"):
+        if len(words(line)) >= 6 and not line.strip().startswith(("def", "return")):
+            assert leaks(task, f"{text_of(task, 'reward')}\n{line}")
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_the_texts_hint_at_no_answer(file: str) -> None:
+    text = (resources.files("robomore.designers.llm") / "prompts" / file).read_text("utf-8").lower()
+    hints = r"\b(thin|slender|long legs?|short|tall|jump|hop|roll|gallop|crawl|bounce|gait|light)"
+    assert not re.search(hints, text)
+    # A number in a prompt would be a suggestion; these count items and name units.
+    assert set(re.findall(r"\d+(?:\.\d+)?", text)) <= {"0", "1", "2", "3"}
+
+
+def test_diversity_shows_all_earlier_proposals() -> None:
+    earlier = [body(0.1 + 0.01 * i, idea=f"idea {i}") for i in range(40)]
+    told = text_of(SWIMMER, "morphology", earlier=earlier)
+    for number, proposal in enumerate(earlier, start=1):
+        assert f"## Number {number}\nParameters: front_length {proposal.parameters[0]:.6g}" in told
+        assert proposal.idea in told
+    assert "(40)" in told and "different" in told
+    programs = [reward(1 + i / 8) for i in range(10)]
+    told = text_of(SWIMMER, "reward", earlier=programs)
+    assert all(program.source.strip() in told for program in programs)
+    assert "Earlier" not in text_of(SWIMMER, "reward")
+
+
+@pytest.mark.parametrize("kind", ["improve-morphology", "improve-reward"])
+def test_improvement_shows_scores_terms_movement_and_failures(kind: str) -> None:
+    first, second = body(0.3, idea="short"), body(0.7)
+    best = evaluation(first, reward(2), 4.0)
+    failed = evaluation(second, reward(2), None, "line 3: division\nby zero")
+    other = evaluation(first, reward(3), 1.5)
+    told = text_of(SWIMMER, kind, best=best, measured=[best, failed, other])
+    assert (
+        f"efficiency {best.efficiency:.4g} m/m³ (fitness 4 m, volume {best.volume:.4g} m³)" in told
+    )
+    assert "speed 0.5 (-0.25 to 1.75)" in told
+    assert "mean_speed_m_per_s 0.08" in told
+    assert "failed (reward-failed): line 3: division by zero" in told
+    assert "front_length 0.3" in told and reward(2).source.strip() in told
+
+
+def test_improvement_needs_something_measured() -> None:
+    with pytest.raises(InputError, match="name a run"):
+        render_prompt(SWIMMER, "improve-reward")
+    with pytest.raises(InputError, match="choose one of morphology"):
+        render_prompt(SWIMMER, "poem")
+
+
+def test_a_cut_history_says_so() -> None:
+    measured = [evaluation(body(0.1 + 0.01 * i), reward(), i) for i in range(60)]
+    settings = HistorySettings(tokens=900, rule="best+worst")
+    told = text_of(
+        SWIMMER, "improve-morphology", best=measured[-1], measured=measured, settings=settings
+    )
+    assert re.search(r"These are \d of the 60 morphologies that were measured", told)
+    assert "taken in turn (the best by score; the worst by score)" in told
+
+
+@pytest.mark.parametrize("objective", ["efficiency", "fitness"])
+def test_the_objective_is_said(objective: str) -> None:
+    assert f"The score is the {objective}." in text_of(SWIMMER, "morphology", objective=objective)
+
+
+def test_what_fitness_is_follows_the_task() -> None:
+    assert "greatest height" in text_of(get_task("ant-jump"), "reward")
+    assert "direction of +x in an episode" in text_of(get_task("ant"), "reward")
+
+
+@EACH
+def test_the_schema_holds_the_bounds(task: Task) -> None:
+    schema = morphology_schema(task)
+    numbers = schema["properties"]["parameters"]
+    assert list(numbers["properties"]) == numbers["required"] == list(task.names)
+    for parameter in task.parameters:
+        bounds = numbers["properties"][parameter.name]
+        assert (bounds["minimum"], bounds["maximum"]) == (parameter.low, parameter.high)
+    # What the schema asks for is what the parser takes.
+    form = {"parameters": task.named(task.reference), "description": "as it is"}
+    assert parse_morphology(str(form), task).parameters == task.reference
+
+
+def test_missing_and_unused_fields_are_errors() -> None:
+    with pytest.raises(KeyError):
+        render("repair")
+    with pytest.raises(ValueError, match="no field extra"):
+        render("repair", errors="x", extra="y")
+    assert "$" not in "".join(
+        text_of(task, kind) for task in map(get_task, TASKS) for kind in ("morphology", "reward")
+    )
+
+
+def test_a_repair_names_every_error() -> None:
+    message = repair_message(["too long", "too short"])
+    assert message.role == "user" and "- too long\n- too short" in message.text
+
+
+def test_an_estimate_grows_with_the_search() -> None:
+    def price(sent: int, received: int) -> float:
+        return (sent + 4 * received) / 1e6
+
+    few = {
+        ("propose", "morphology"): 5,
+        ("propose", "reward"): 3,
+        ("improve", "morphology"): 4,
+        ("improve", "reward"): 4,
+    }
+    many = few | {("propose", "morphology"): 25}
+    small = estimate(SWIMMER, LLMSettings(), price, proposals=few)
+    large = estimate(SWIMMER, LLMSettings(), price, proposals=many)
+    blind = estimate(SWIMMER, LLMSettings(diversity=False), price, proposals=few)
+    assert 16 <= small.requests < large.requests
+    assert blind.input_tokens < small.input_tokens < large.input_tokens
+    assert small.cost == pytest.approx(price(small.input_tokens, small.output_tokens))
+    assert "about $" in str(small)
+    assert "no known price" in str(
+        estimate(SWIMMER, LLMSettings(), lambda i, o: None, proposals=few)
+    )
+    prompt = estimate_tokens(text_of(SWIMMER, "morphology"))
+    assert small.input_tokens > 5 * prompt
+
+
+def test_rewards_of_others_are_shown_as_they_are() -> None:
+    odd = Reward("def _get_rew(self, x_velocity, action):\n    return 1.0, {'$cost': 1.0}\n")
+    assert odd.source.strip() in text_of(SWIMMER, "reward", earlier=[odd])

@@ -1,0 +1,98 @@
+"""A reward is tried out before it is trained under: what is found, in words a model can act on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from robomore.rewards.dry_run import RANDOM_BODIES, SIMULATIONS, STEPS, DryRun
+from robomore.rewards.dry_run_findings import Rehearsed, Term, bodies, findings
+from robomore.tasks import TASKS, get_task
+
+CALLS = (RANDOM_BODIES + 1) * SIMULATIONS * STEPS
+PLAIN = {"speed": Term(1.0), "effort": Term(0.5)}
+
+
+def seen(**changes: object) -> Rehearsed:
+    usual = {"calls": 300, "low": -1.0, "high": 2.0, "seconds": 2e-5, "terms": PLAIN}
+    return Rehearsed(**{**usual, **changes})  # type: ignore[arg-type]
+
+
+def program(*lines: str) -> str:
+    return "\n".join(("def _get_rew(self, x_velocity, action):", *(f"    {x}" for x in lines), ""))
+
+
+def test_a_usual_reward_gives_no_findings() -> None:
+    assert findings(seen(), 1) == []
+    bonus = {**PLAIN, "healthy": Term(0.0)}
+    assert findings(seen(terms=bonus), 1) == []
+    assert findings(seen(terms={"speed": Term(1.0), "healthy": Term(0.0)}), 1) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "severity", "said"),
+    [
+        ({"low": 1.0, "high": 1.0}, "error", "same number (1) in all 300 steps"),
+        ({"seconds": 0.02}, "error", "one call takes 20.0 ms"),
+        ({"seconds": 0.002}, "warning", "one call takes 2.0 ms"),
+        ({"terms": {}}, "warning", "no terms"),
+        ({"terms": {**PLAIN, "odd": Term(0.0, 3)}}, "warning", "'odd' was not always a finite"),
+        (
+            {"terms": {"speed": Term(400.0), "effort": Term(0.5)}},
+            "warning",
+            "'speed' dominates: under random actions it makes 99.9 % of all variation",
+        ),
+    ],
+)
+def test_what_is_found(changes: dict[str, object], severity: str, said: str) -> None:
+    (found,) = findings(seen(**changes), 7)
+    assert (found.line, found.severity) == (7, severity)
+    assert said in found.message
+
+
+@pytest.mark.parametrize("task", [get_task(name) for name in TASKS], ids=list(TASKS))
+def test_bodies_are_valid_and_the_same_every_time(task) -> None:
+    first = bodies(task, RANDOM_BODIES)
+    assert first == bodies(task, RANDOM_BODIES)
+    assert len(set(first)) == RANDOM_BODIES + 1 and first[-1] == task.reference
+    assert all(task.check(body) for body in first)
+
+
+@pytest.mark.parametrize("name", ["swimmer", "ant"])
+def test_the_reference_reward_passes(name: str, tmp_path: Path) -> None:
+    task = get_task(name)
+    found = DryRun(task, tmp_path)(task.reward)
+    assert [f for f in found if f.severity == "error"] == []
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("lines", "line", "said"),
+    [
+        (["return float('nan'), {}"], 1, "must be finite"),
+        (["return np.array([1.0, 2.0]), {}"], 1, "an array of shape (2,)"),
+        (["return x_velocity"], 1, "must return (reward, terms)"),
+        (["speed = x_velocity", "return self.no_such_thing, {}"], 3, "no_such_thing"),
+        (["return 1.0, {'alive': 1.0}"], 1, f"same number (1) in all {CALLS} steps"),
+        (["while True:", "    pass"], 3, "did not return within 1 s"),
+        (["import os", "os._exit(0)"], 1, "when tried out"),
+    ],
+)
+def test_a_bad_reward_is_told_of_in_its_line(
+    lines: list[str], line: int, said: str, tmp_path: Path
+) -> None:
+    (found,) = DryRun(get_task("swimmer"), tmp_path)(program(*lines))
+    assert found.severity == "error" and said in found.message
+    if "while" not in lines[0]:
+        assert found.line == line
+
+
+def test_every_call_of_a_good_reward_is_seen(tmp_path: Path) -> None:
+    source = program(
+        "speed = 1000 * float(x_velocity)",
+        "effort = 0.1 * float(np.sum(action ** 2))",
+        "return speed - effort, {'speed': speed, 'effort': -effort}",
+    )
+    (found,) = DryRun(get_task("swimmer"), tmp_path)(source)
+    assert found.severity == "warning" and "'speed' dominates" in found.message

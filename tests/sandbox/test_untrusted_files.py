@@ -1,0 +1,71 @@
+"""Files that untrusted code may have written are read without trusting them."""
+
+from __future__ import annotations
+
+import io
+import os
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robomore.sandbox.untrusted_files import UntrustedFileError, read_arrays, read_file
+
+
+def test_plain_files_come_out(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"content")
+    assert read_file(tmp_path / "a", 7) == b"content"
+    with pytest.raises(UntrustedFileError, match="more than 6"):
+        read_file(tmp_path / "a", 6)
+
+
+def test_arrays_come_out(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", x=np.arange(3), y=np.eye(2))
+    arrays = read_arrays(tmp_path / "a.npz", 10_000)
+    np.testing.assert_array_equal(arrays["x"], [0, 1, 2])
+    assert arrays["y"].shape == (2, 2)
+
+
+def test_links_pipes_folders_and_nothing(tmp_path: Path) -> None:
+    (tmp_path / "secret").write_text("secret")
+    (tmp_path / "link").symlink_to(tmp_path / "secret")
+    os.link(tmp_path / "secret", tmp_path / "second")
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "folder").mkdir()
+    for name in ("link", "second", "pipe", "folder", "missing"):
+        with pytest.raises(UntrustedFileError):
+            read_file(tmp_path / name, 1000)
+
+
+def test_bombs_and_pickles(tmp_path: Path) -> None:
+    bomb = tmp_path / "bomb.npz"
+    np.savez_compressed(bomb, x=np.zeros(10**6))
+    pickled = tmp_path / "pickled.npz"
+    np.savez(pickled, x=np.array([{}], dtype=object))
+    huge = tmp_path / "huge.npz"
+    header = io.BytesIO()
+    claims = {"descr": "<f8", "fortran_order": False, "shape": (10**11,)}
+    np.lib.format.write_array_header_1_0(header, claims)
+    with zipfile.ZipFile(huge, "w") as archive:
+        archive.writestr("x.npy", header.getvalue())
+    text = tmp_path / "text.npz"
+    text.write_text("no archive")
+    for path in (bomb, pickled, huge, text):
+        with pytest.raises(UntrustedFileError):
+            read_arrays(path, 100_000)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_damage_is_suspicious_or_harmless(tmp_path: Path, seed: int) -> None:
+    np.savez(tmp_path / "a.npz", x=np.arange(50.0))
+    content = bytearray((tmp_path / "a.npz").read_bytes())
+    rng = np.random.default_rng(seed)
+    for _ in range(5):
+        content[rng.integers(len(content))] = rng.integers(256)
+    (tmp_path / "a.npz").write_bytes(content)
+    try:
+        arrays = read_arrays(tmp_path / "a.npz", 10_000)
+    except UntrustedFileError:
+        return
+    assert all(array.nbytes <= 10_000 for array in arrays.values())
