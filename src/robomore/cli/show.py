@@ -121,7 +121,7 @@ def _print_head(screen: Console, run: Run) -> None:
     designer = f", designer {manifest.designer}" if manifest.designer else ""
     screen.print(
         f"{run.task.title}: preset {manifest.preset}, method {manifest.settings.method.name}"
-        f"{designer}, seed {manifest.seed}, {'finished' if run.final else 'not finished'}",
+        f"{designer}, seed {manifest.seed}, {'finished' if run.found else 'not finished'}",
         style="bold",
         markup=False,
     )
