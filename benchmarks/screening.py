@@ -17,12 +17,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
+from robomore.search.coarse import coarse
+from robomore.search.screening import screened
+
 from curves import Course, follow_all
 from robomore.designers.registry import make_designer
 from robomore.events import Event
-from robomore.search.coarse import coarse
 from robomore.search.measure import top
-from robomore.search.screening import screened
 from robomore.settings import SCREENINGS, Screening, standard
 from robomore.tasks import get_task
 from robomore.types import (

@@ -138,13 +138,14 @@ class TermStatistics:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """How a training went, in some 50 points whatever its length.
+    """How a training went: at most 64 points, whatever its length (`robomore.training.curve`).
 
     Attributes:
-        steps: control steps done at each point, rising.
-        series: name -> one value a point, `None` where there is none yet: `episode_return`,
-            `episode_length`, `term/NAME` (mean of a reward term), `loss/NAME`, `alpha` (weight of
-            the entropy).
+        steps: control steps done at the end of each point, over all environments; rising.
+        series: values by name, one for each point: the mean over what happened since the point
+            before, and `None` where nothing did. Names are `episode_return`, `episode_length` (in
+            control steps), `term/NAME` for each reward term, `loss/critic`, `loss/actor`, and
+            `alpha` (weight of the policy's entropy).
     """
 
     steps: tuple[int, ...]

@@ -10,7 +10,7 @@ import numpy as np
 
 from robomore.evaluation import train as real
 from robomore.training.policy import MLPPolicy
-from robomore.training.trainer import Progress, VectorEnvProtocol
+from robomore.training.trainer import Progress, TrainingEnv, TrainingResult
 
 
 class Quick:
@@ -18,12 +18,12 @@ class Quick:
 
     def train(
         self,
-        environment: VectorEnvProtocol,
+        environment: TrainingEnv,
         steps: int,
         seed: int,
         checkpoint: Path | None = None,
         progress: Progress | None = None,
-    ) -> list[MLPPolicy]:
+    ) -> TrainingResult:
         rng = np.random.default_rng(seed)
         environment.reset(seed)
         best, liked = -np.inf, np.zeros(environment.action_size)
@@ -35,7 +35,7 @@ class Quick:
             if progress is not None:
                 progress(step)
         weights = np.zeros((environment.observation_size, environment.action_size), np.float32)
-        return [MLPPolicy((weights,), (liked.astype(np.float32),))]
+        return TrainingResult((MLPPolicy((weights,), (liked.astype(np.float32),)),))
 
 
 def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:

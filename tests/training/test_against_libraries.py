@@ -17,8 +17,8 @@ from robomore.training.sac import SAC
 from robomore.training.settings import CrossQSettings, SACSettings
 
 OBSERVATIONS, ACTIONS, BATCH = 5, 2, 64
-HIDDEN = (24, 16)
-DISCOUNT = 0.97
+NET_ARCH = (24, 16)
+GAMMA = 0.97
 NO_NOISE = -20.0
 """Logarithm of a deviation that leaves no randomness in an action, whichever library draws it."""
 
@@ -42,7 +42,7 @@ def batch() -> dict[str, NDArray[np.float32]]:
 
 def packed(batch: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
     """Return the batch as one round of our rows."""
-    future = DISCOUNT * (1 - batch["done"])
+    future = GAMMA * (1 - batch["done"])
     parts = [batch["observation"], batch["action"], batch["next"]]
     parts += [batch["reward"][:, None], future[:, None]]
     return np.concatenate(parts, axis=1)[None]
@@ -57,7 +57,7 @@ def test_a_step_of_crossq_is_that_of_sbx(batch: dict[str, NDArray[np.float32]]) 
     import jax
     import jax.numpy as jnp
 
-    model = sbx.CrossQ("MlpPolicy", Nothing(), policy_kwargs={"net_arch": list(HIDDEN)}, seed=1)
+    model = sbx.CrossQ("MlpPolicy", Nothing(), policy_kwargs={"net_arch": list(NET_ARCH)}, seed=1)
     actor, critic = model.policy.actor_state, model.policy.qf_state
     silent = jax.tree.map(lambda leaf: leaf, actor.params)
     silent["Dense_3"] = {
@@ -68,7 +68,7 @@ def test_a_step_of_crossq_is_that_of_sbx(batch: dict[str, NDArray[np.float32]]) 
     worthless = jax.tree.map(lambda leaf: jnp.full_like(leaf, -100.0), model.ent_coef_state.params)
     entropy = model.ent_coef_state.replace(params=worthless)
     before_critics = flat_critics(critic.params)
-    before_policy = flat_policy(actor.params)
+    before_actor = flat_actor(actor.params)
     stepped, (loss, _), key = model.update_critic(
         actor,
         critic,
@@ -78,37 +78,37 @@ def test_a_step_of_crossq_is_that_of_sbx(batch: dict[str, NDArray[np.float32]]) 
         batch["next"],
         batch["reward"],
         batch["done"],
-        np.full(BATCH, DISCOUNT, np.float32),
+        np.full(BATCH, GAMMA, np.float32),
         model.key,
     )
     acted, *_ = model.update_actor(actor, stepped, entropy, batch["observation"], key)
 
     settings = CrossQSettings(
-        hidden=HIDDEN,
+        net_arch=NET_ARCH,
         batch_size=BATCH,
         gradient_steps=1,
         init_alpha=1e-40,
         min_q_weight=1.0,
     )
     trainer = CrossQ(settings)
-    learner, _ = trainer.begin(np.random.default_rng(0), OBSERVATIONS, ACTIONS)
-    critics = learner.critics._replace(parameters=before_critics)
-    policy = learner.policy._replace(
-        parameters=before_policy, log_entropy_weight=np.float32(-100.0)
+    state, _ = trainer.begin(np.random.default_rng(0), OBSERVATIONS, ACTIONS)
+    critics = state.critics._replace(parameters=before_critics)
+    alpha = state.actor.alpha._replace(log=np.float32(-100.0))
+    state = state._replace(
+        critics=critics, actor=state.actor._replace(parameters=before_actor, alpha=alpha)
     )
-    learner = learner._replace(critics=critics, policy=policy)
     noise = np.zeros((1, 2, BATCH, ACTIONS), np.float32)
-    learner, _, losses = trainer.learn(learner, packed(batch), noise, done=0)
+    state, _, losses = trainer.learn(state, packed(batch), noise, done=0)
 
-    close(losses["critic loss"], loss)
-    close(learner.critics.parameters, flat_critics(stepped.params))
+    close(losses["loss/critic"], loss)
+    close(state.critics.parameters, flat_critics(stepped.params))
     # Adam's first step shows little but signs of the gradients; its running mean shows them.
-    close(learner.critics.adam.mean, flat_critics(stepped.opt_state[0].mu))
-    close(learner.critics.moments, flat_moments(stepped.batch_stats["VmapCritic_0"]))
+    close(state.critics.adam.mean, flat_critics(stepped.opt_state[0].mu))
+    close(state.critics.moments, flat_moments(stepped.batch_stats["VmapCritic_0"]))
     # The mean's half of the policy; the other one is without gradient here but for noise.
-    ours, theirs = learner.policy, acted
-    close(policy_means(ours.parameters), policy_means(flat_policy(theirs.params)))
-    close(policy_means(ours.adam.mean), policy_means(flat_policy(theirs.opt_state[0].mu)))
+    ours, theirs = state.actor, acted
+    close(actor_means(ours.parameters), actor_means(flat_actor(theirs.params)))
+    close(actor_means(ours.adam.mean), actor_means(flat_actor(theirs.opt_state[0].mu)))
 
 
 def test_steps_of_sac_are_those_of_stable_baselines3(
@@ -119,16 +119,16 @@ def test_steps_of_sac_are_those_of_stable_baselines3(
     from stable_baselines3.common.logger import Logger
     from stable_baselines3.common.type_aliases import ReplayBufferSamples
 
-    policy_kwargs = {"net_arch": list(HIDDEN)}
-    model = sb3.SAC("MlpPolicy", Nothing(), policy_kwargs=policy_kwargs, gamma=DISCOUNT, seed=1)
+    policy_kwargs = {"net_arch": list(NET_ARCH)}
+    model = sb3.SAC("MlpPolicy", Nothing(), policy_kwargs=policy_kwargs, gamma=GAMMA, seed=1)
     model.set_logger(Logger(folder=None, output_formats=[]))
-    settings = SACSettings(hidden=HIDDEN, batch_size=BATCH, gradient_steps=1)
+    settings = SACSettings(net_arch=NET_ARCH, batch_size=BATCH, gradient_steps=1)
     trainer = SAC(settings)
-    learner, _ = trainer.begin(np.random.default_rng(0), OBSERVATIONS, ACTIONS)
+    state, _ = trainer.begin(np.random.default_rng(0), OBSERVATIONS, ACTIONS)
     critics = np.stack([torch_flat(each) for each in model.critic.q_networks])
-    learner = learner._replace(
-        critics=learner.critics._replace(parameters=critics, targets=critics.copy()),
-        policy=learner.policy._replace(parameters=torch_policy(model)),
+    state = state._replace(
+        critics=state.critics._replace(parameters=critics, targets=critics.copy()),
+        actor=state.actor._replace(parameters=torch_actor(model)),
     )
 
     columns = ["observation", "action", "next", "done", "reward"]
@@ -145,16 +145,14 @@ def test_steps_of_sac_are_those_of_stable_baselines3(
 
         monkeypatch.setattr(torch.distributions.Normal, "rsample", draw)
         model.train(gradient_steps=1, batch_size=BATCH)
-        learner, _, losses = trainer.learn(learner, packed(batch), noise[None], done=0)
+        state, _, losses = trainer.learn(state, packed(batch), noise[None], done=0)
         said = model.logger.name_to_value
-        close(losses["critic loss"], said["train/critic_loss"])
-        close(losses["policy loss"], said["train/actor_loss"])
-    close(learner.policy.parameters, torch_policy(model))
-    close(learner.critics.parameters, np.stack([torch_flat(q) for q in model.critic.q_networks]))
-    close(
-        learner.critics.targets, np.stack([torch_flat(q) for q in model.critic_target.q_networks])
-    )
-    close(learner.policy.log_entropy_weight, model.log_ent_coef.item())
+        close(losses["loss/critic"], said["train/critic_loss"])
+        close(losses["loss/actor"], said["train/actor_loss"])
+    close(state.actor.parameters, torch_actor(model))
+    close(state.critics.parameters, np.stack([torch_flat(q) for q in model.critic.q_networks]))
+    close(state.critics.targets, np.stack([torch_flat(q) for q in model.critic_target.q_networks]))
+    close(state.actor.alpha.log, model.log_ent_coef.item())
 
 
 def torch_flat(*modules: Any) -> NDArray[np.float32]:
@@ -166,7 +164,7 @@ def torch_flat(*modules: Any) -> NDArray[np.float32]:
     return np.concatenate(parts)
 
 
-def torch_policy(model: Any) -> NDArray[np.float32]:
+def torch_actor(model: Any) -> NDArray[np.float32]:
     """Return Stable-Baselines3's policy as our flat parameters; its two heads are side by side."""
     actor = model.actor
     heads = [
@@ -184,7 +182,7 @@ def flat_critics(parameters: Any) -> NDArray[np.float32]:
     rows = []
     for i in range(2):
         found = []
-        for j in range(len(HIDDEN) + 1):
+        for j in range(len(NET_ARCH) + 1):
             norm, dense = parts[f"BatchRenorm_{j}"], parts[f"Dense_{j}"]
             found += [norm["scale"][i], norm["bias"][i], dense["kernel"][i].ravel()]
             found += [dense["bias"][i]]
@@ -196,31 +194,31 @@ def flat_moments(statistics: Any) -> NDArray[np.float32]:
     rows = []
     for i in range(2):
         found = []
-        for j in range(len(HIDDEN) + 1):
+        for j in range(len(NET_ARCH) + 1):
             found += [statistics[f"BatchRenorm_{j}"][name][i] for name in ("mean", "var")]
         rows.append(np.concatenate(found))
     return np.stack(rows).astype(np.float32)
 
 
-def flat_policy(parameters: Any) -> NDArray[np.float32]:
+def flat_actor(parameters: Any) -> NDArray[np.float32]:
     """Return SBX's policy as our flat parameters; its two heads are our last layer's columns."""
     found = []
-    for j in range(len(HIDDEN) + 1):
+    for j in range(len(NET_ARCH) + 1):
         norm = parameters[f"BatchRenorm_{j}"]
         found += [norm["scale"], norm["bias"]]
-        if j < len(HIDDEN):
+        if j < len(NET_ARCH):
             dense = parameters[f"Dense_{j}"]
             found += [dense["kernel"].ravel(), dense["bias"]]
-    mean, deviation = (parameters[f"Dense_{len(HIDDEN) + k}"] for k in (0, 1))
+    mean, deviation = (parameters[f"Dense_{len(NET_ARCH) + k}"] for k in (0, 1))
     found += [np.concatenate([mean["kernel"], deviation["kernel"]], axis=1).ravel()]
     found += [np.concatenate([mean["bias"], deviation["bias"]])]
     return np.concatenate([np.ravel(part) for part in found]).astype(np.float32)
 
 
-def policy_means(parameters: Any) -> NDArray[np.float32]:
+def actor_means(parameters: Any) -> NDArray[np.float32]:
     """Return a flat policy without what gives the deviations."""
-    last = HIDDEN[-1] * 2 * ACTIONS + 2 * ACTIONS
+    last = NET_ARCH[-1] * 2 * ACTIONS + 2 * ACTIONS
     inner, outer = np.asarray(parameters[:-last]), np.asarray(parameters[-last:])
-    weight = outer[: -2 * ACTIONS].reshape(HIDDEN[-1], 2 * ACTIONS)[:, :ACTIONS]
+    weight = outer[: -2 * ACTIONS].reshape(NET_ARCH[-1], 2 * ACTIONS)[:, :ACTIONS]
     bias = outer[-2 * ACTIONS :][:ACTIONS]
     return np.concatenate([inner, weight.ravel(), bias])

@@ -10,21 +10,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from probes import SAC_SETTINGS, SB3_SETTINGS, SETTINGS, Probe
+from probes import SAC_SETTINGS, SB3_SETTINGS, SETTINGS
 
+from robomore.testing.probe_env import ProbeEnv
+from robomore.testing.trainers import check_trainer
+from robomore.testing.trainers import same_result as same
 from robomore.training.checkpoint import INDEX, Checkpoint, load_checkpoint, save_checkpoint
 from robomore.training.crossq import CrossQ
-from robomore.training.policy import MLPPolicy
 from robomore.training.sac import SAC
 from robomore.training.settings import make_trainer
-from robomore.training.trainer import Progress, Trainer
+from robomore.training.trainer import Progress, Trainer, TrainingResult
 
 FULL = SETTINGS.buffer_size + 160
-
-
-def reward(elapsed: NDArray[Any], bit: NDArray[Any], action: NDArray[Any]) -> NDArray[Any]:
-    return elapsed - np.square(action[:, 0] - bit)
 
 
 @dataclass(frozen=True)
@@ -40,31 +37,23 @@ class Training:
         seed: int = 3,
         checkpoint: Path | None = None,
         progress: Progress | None = None,
-    ) -> list[MLPPolicy]:
-        return self.trainer.train(Probe(reward, length=5), steps, seed, checkpoint, progress)
+    ) -> TrainingResult:
+        return self.trainer.train(ProbeEnv(), steps, seed, checkpoint, progress)
 
 
 @pytest.fixture(params=["crossq", "sac", "sb3"])
 def train(request: pytest.FixtureRequest) -> Training:
     if request.param == "crossq":
-        return Training(CrossQ(SETTINGS), SETTINGS.snapshots)
+        return Training(CrossQ(SETTINGS), SETTINGS.num_eval_checkpoints)
     if request.param == "sac":
-        return Training(SAC(SAC_SETTINGS), SAC_SETTINGS.snapshots)
+        return Training(SAC(SAC_SETTINGS), SAC_SETTINGS.num_eval_checkpoints)
     pytest.importorskip("stable_baselines3")
     return Training(make_trainer(SB3_SETTINGS), 1)
 
 
-def same(a: list[MLPPolicy], b: list[MLPPolicy]) -> bool:
-    assert len(a) == len(b)
-    one, other = ([array for p in c for array in (*p.weights, *p.biases)] for c in (a, b))
-    return all(np.array_equal(x, y) for x, y in zip(one, other, strict=True))
-
-
-def test_the_seed_decides_every_bit(train: Training) -> None:
-    found = train(512)
-    assert len(found) == train.policies
-    assert same(found, train(512))
-    assert not same(found, train(512, seed=4))
+def test_the_contract_is_kept(train: Training) -> None:
+    check_trainer(lambda: train.trainer)
+    assert len(train(512).policies) == train.policies
 
 
 @pytest.mark.parametrize("first", [64, 320, FULL - 32])
@@ -129,7 +118,7 @@ def test_a_checkpoint_damaged_anywhere_is_whole_or_not_used(tmp_path: Path, plac
 def test_a_training_with_a_damaged_checkpoint_ends_as_one_without(
     tmp_path: Path, place: int, caplog: pytest.LogCaptureFixture
 ) -> None:
-    train = Training(CrossQ(SETTINGS), SETTINGS.snapshots)
+    train = Training(CrossQ(SETTINGS), SETTINGS.num_eval_checkpoints)
     train(320, checkpoint=tmp_path)
     damage(tmp_path, random.Random(100 + place))
     assert same(train(512, checkpoint=tmp_path), train(512))

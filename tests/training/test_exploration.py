@@ -1,4 +1,4 @@
-"""Who explores: all at first, then all but the quiet simulations."""
+"""Which environments explore: all at first, then all but the deterministic ones."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from probes import SETTINGS, Probe
+from probes import SETTINGS
 
+from robomore.testing.probe_env import ProbeEnv
 from robomore.training.crossq import CrossQ
-from robomore.training.loop import Run, deterministic
+from robomore.training.loop import TrainingRun, deterministic
 from robomore.training.trainer import Transition
 
 
-class Recording(Probe):
+class Recording(ProbeEnv):
     """A probe that remembers what was done in it, and on what."""
 
     def __init__(self) -> None:
-        super().__init__(lambda elapsed, bit, action: elapsed - np.square(action[:, 0] - bit))
+        super().__init__(length=1)
         self.seen: list[tuple[NDArray[Any], NDArray[Any]]] = []
 
     def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
@@ -27,14 +28,13 @@ class Recording(Probe):
         return super().step(actions)
 
 
-@pytest.mark.parametrize(("share", "quiet"), [(0.0, 0), (0.5, 2), (0.7, 2), (0.99, 3), (None, 2)])
-def test_the_quiet_ones_act_by_the_policy_itself_once_there_is_one(
-    share: float | None, quiet: int
+@pytest.mark.parametrize(("fraction", "count"), [(0.0, 0), (0.5, 2), (0.7, 2), (0.99, 3)])
+def test_deterministic_environments_act_by_the_policy_itself_once_there_is_one(
+    fraction: float, count: int
 ) -> None:
-    settings = replace(SETTINGS, deterministic_env_fraction=share)
+    settings = replace(SETTINGS, deterministic_env_fraction=fraction)
     environment = Recording()
-    run = Run(CrossQ(settings), settings, environment, seed=3)
-    run.observation = environment.reset(3)
+    run = TrainingRun(CrossQ(settings), settings, environment, seed=3)
     while not run.updates:
         run.advance()
     for _, actions in environment.seen:
@@ -45,8 +45,8 @@ def test_the_quiet_ones_act_by_the_policy_itself_once_there_is_one(
     policy = deterministic(run.layers)
     environment.seen.clear()
     run.advance()
-    assert len(environment.seen) == settings.train_freq // environment.num_envs
+    assert len(environment.seen) == settings.train_freq
     for observation, actions in environment.seen:
         exact = np.isclose(actions, policy.act(observation), atol=1e-6)[:, 0]
-        assert exact[:quiet].all()
-        assert not exact[quiet:].any()
+        assert exact[:count].all()
+        assert not exact[count:].any()

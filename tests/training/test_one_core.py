@@ -12,7 +12,7 @@ from probes import SETTINGS, Cart
 
 from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.crossq import CrossQ
-from robomore.training.loop import Run
+from robomore.training.loop import TrainingRun
 
 _COMPILES = """
 from robomore.training.compilation import use_cache
@@ -26,8 +26,7 @@ jax.jit(lambda x: 2 * x + 1)(3.0)
 
 def test_training_uses_no_more_than_one_core() -> None:
     cart = Cart()
-    run = Run(CrossQ(SETTINGS), SETTINGS, cart, 1)
-    run.observation = cart.reset(1)
+    run = TrainingRun(CrossQ(SETTINGS), SETTINGS, cart, 1)
     while run.updates < 8:
         run.advance()
     wall, cpu = time.perf_counter(), time.process_time()

@@ -1,4 +1,4 @@
-"""Episodes of a policy on a stage whose every number is known."""
+"""Episodes of a policy on an environment whose every number is known."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from robomore.training.rollout import rollout
 from robomore.training.trainer import Transition
 
 
-class Stage:
-    """A body that moves by its action each step and falls after as many steps as its seed says.
+class FallingEnv:
+    """A robot that moves by its action each step and falls after as many steps as its seed says.
 
     Seeds of 10 and more end by time after 10 steps. The torso is `seed` high in the first step.
     """
@@ -58,7 +58,7 @@ STEP = np.tanh(0.5)
 @pytest.mark.parametrize("n", [1, 3, 8])
 def test_each_seed_has_one_episode_whatever_runs_beside_it(n: int) -> None:
     seeds = [4, 12, 2, 7, 3]
-    found = rollout(POLICY, Stage(n), seeds)
+    found = rollout(POLICY, FallingEnv(n), seeds)
     length = np.array([4, 10, 2, 7, 3])
     assert found.length.tolist() == length.tolist()
     assert found.fell.tolist() == [True, False, True, True, True]
@@ -70,13 +70,13 @@ def test_each_seed_has_one_episode_whatever_runs_beside_it(n: int) -> None:
 
 
 def test_seeds_are_used_in_order() -> None:
-    stage = Stage(2)
-    rollout(POLICY, stage, [4, 12, 2, 7])
-    assert stage.started[:4] == [4, 12, 2, 7]
+    environment = FallingEnv(2)
+    rollout(POLICY, environment, [4, 12, 2, 7])
+    assert environment.started[:4] == [4, 12, 2, 7]
 
 
 def test_changes_of_action_are_measured() -> None:
-    class Swinging(Stage):
+    class Swinging(FallingEnv):
         def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
             transition = super().step(actions)
             transition.observation = np.where(self.elapsed % 2, -1.0, 1.0)[:, None]

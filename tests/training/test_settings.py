@@ -22,9 +22,9 @@ from robomore.types import TrainerSettings
 
 
 def test_options_override_fields() -> None:
-    options = {"hidden": [64, 64], "actor_lr": 1, "target_entropy": -2.5}
+    options = {"net_arch": [64, 64], "actor_lr": 1, "target_entropy": -2.5}
     found = settings_from(TrainerSettings("crossq", options))
-    assert found == CrossQSettings(hidden=(64, 64), actor_lr=1.0, target_entropy=-2.5)
+    assert found == CrossQSettings(net_arch=(64, 64), actor_lr=1.0, target_entropy=-2.5)
     assert isinstance(found.actor_lr, float)
     assert hash(found) == hash(settings_from(TrainerSettings("crossq", options)))
 
@@ -35,9 +35,9 @@ def test_options_override_fields() -> None:
         ({"batch": 3}, "'batch'.*batch_size"),
         ({"batch_size": 0}, "batch_size"),
         ({"batch_size": 2.5}, "batch_size"),
-        ({"hidden": "256"}, "hidden"),
-        ({"hidden": [256, -1]}, "hidden"),
-        ({"discount": 1.0}, "discount"),
+        ({"net_arch": "256"}, "net_arch"),
+        ({"net_arch": [256, -1]}, "net_arch"),
+        ({"gamma": 1.0}, "gamma"),
         ({"critic_lr": float("nan")}, "critic_lr"),
         ({"critic_lr": float("inf")}, "critic_lr"),
         ({"critic_lr": "fast"}, "critic_lr"),

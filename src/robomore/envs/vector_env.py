@@ -49,8 +49,6 @@ class VectorEnv:
 
     Attributes:
         num_envs: environments that are stepped together.
-        discount: what a reward one control step later is worth, as the task sees it.
-        deterministic_env_fraction: share of the simulations that the task wants to act without noise in training.
         observation_size: numbers in an observation.
         action_size: motors.
         environment: one Gymnasium environment of this body, for its options and batched facts.
@@ -95,8 +93,6 @@ class VectorEnv:
         # A simulation that diverges shows it, instead of starting over in silence.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self.num_envs = num_envs
-        self.discount = task.discount
-        self.deterministic_env_fraction = task.deterministic_env_fraction
         self.action_size = int(self.model.nu)
         self.observation_size = sum(self.environment.observation_space.shape or ())
         self._frame_skip = int(self.environment.frame_skip)

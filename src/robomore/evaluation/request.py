@@ -1,4 +1,4 @@
-"""What travels to a worker and to the contained child, and what comes back from it."""
+"""What is sent to a worker and to the sandboxed process, and what comes back from them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from itertools import islice
 import msgspec
 
 from robomore.sandbox.sanitize import sanitize
+from robomore.training.curve import check_curve
 from robomore.types import Curve, Evaluation, Job, TermStatistics
 
 
@@ -45,13 +46,14 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Training:
-    """What the contained child says of its training. A stranger's code ran there: believe no more
-    than its type.
+    """What the sandboxed process says of its training. Untrusted code ran there, so no more than
+    its type is believed.
 
     Attributes:
         steps: control steps done.
         terms: statistics of each reward term.
         notes: facts worth keeping.
+        curve: how training went.
     """
 
     steps: int
@@ -61,20 +63,25 @@ class Training:
 
 
 def believed(reply: bytes) -> Training:
-    """Return what a child claims, cut to what fits a ledger and a page.
+    """Return what a sandboxed process claims, cut to what fits a ledger and a page.
 
     Raises:
-        ValueError: it is no encoded `Training`.
+        ValueError: it is no encoded `Training`, or its learning curve breaks the bounds.
     """
     try:
         claimed = msgspec.json.decode(reply, type=Training)
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
+    curve = claimed.curve
+    if curve is not None:
+        check_curve(curve)
+        curve = Curve(curve.steps, {sanitize(name): curve.series[name] for name in curve.series})
     terms = islice(claimed.terms.items(), _MOST_TERMS)
     return Training(
         claimed.steps,
         {sanitize(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
         tuple(sanitize(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
+        curve,
     )
 
 

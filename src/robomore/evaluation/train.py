@@ -1,4 +1,4 @@
-"""The part of an evaluation that runs a stranger's code, always inside a contained child."""
+"""The part of an evaluation that runs untrusted code, always in a sandboxed process."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     Args:
         payload: an encoded `Request`.
         scratch: the only folder that may be written to (and the checkpoint's, if one is asked for).
-        report: told the control steps done.
+        report: is told the control steps done.
 
     Returns:
         An encoded `Training`.
@@ -37,19 +37,19 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     environment = VectorEnv(
         get_task(job.task),
         job.design.morphology.parameters,
-        settings.simulations,
+        settings.num_envs,
         load_reward(job.design.reward.source),
         episode_seconds=settings.episode_seconds,
     )
-    policies = make_trainer(job.trainer).train(
+    trained = make_trainer(job.trainer).train(
         environment,
         job.steps,
         job.seed,
         checkpoint=Path(request.checkpoint) if request.checkpoint else None,
         progress=report,
     )
-    for index, policy in enumerate(policies):
+    for index, policy in enumerate(trained.policies):
         policy.save(scratch / POLICIES.replace("*", f"{index:02}"))
     return msgspec.json.encode(
-        Training(job.steps, environment.reward_statistics(), environment.notes())
+        Training(job.steps, environment.reward_statistics(), environment.notes(), trained.curve)
     )

@@ -17,7 +17,6 @@ from robomore.report.plots import best_so_far, fitness_over_volume, stage_classe
 from robomore.report.source import highlighted
 from robomore.runs import Run, load_run
 from robomore.runs.grid import grids
-from robomore.runs.pairs import LABELS
 from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
 from robomore.store import RunFolder
 
@@ -77,7 +76,6 @@ def render(run: Run) -> str:
         task=run.task,
         champion=run.champion,
         reference=run.reference,
-        roles=LABELS,
         unit=unit_of(run.objective),
         grids=[(grid.stage.name, heatmap(grid, run.objective)) for grid in found],
         stages={name: kind for name, kind in stage_classes(run).items() if name in searched},

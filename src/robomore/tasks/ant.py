@@ -170,9 +170,6 @@ ANT = Task(
     environment="robomore.envs.robots.ant:AntEnvironment",
     options=lambda values: {"healthy_z_range": (LOWEST_TORSO, HIGHEST_TORSO)},
     constants={"gear": 150.0},
-    # With less of either, most trainings settle for creeping (docs/trainer.md).
-    discount=0.995,
-    deterministic_env_fraction=0.5,
 )
 
 ANT_POWERED = replace(

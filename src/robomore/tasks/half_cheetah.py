@@ -155,5 +155,4 @@ HALF_CHEETAH = Task(
     reward=SPEED_REWARD,
     environment="robomore.envs.robots.half_cheetah:HalfCheetahEnvironment",
     constants={"pi": math.pi},
-    deterministic_env_fraction=0.5,
 )

@@ -94,6 +94,4 @@ SWIMMER = Task(
     reward=SPEED_REWARD,
     environment="robomore.envs.robots.swimmer:SwimmerEnvironment",
     # A stroke takes seconds to pay: with 0.99 a policy settles for a quarter of the way.
-    discount=0.999,
-    deterministic_env_fraction=0.5,
 )

@@ -100,10 +100,6 @@ class Task:
         constants: fixed numbers that the template refers to (never parameters).
         terrain: height field to run on, or `None` for flat ground.
         episode_steps: control steps of a full episode.
-        discount: what a reward one control step later is worth in training, unless the trainer is
-            told otherwise. A stroke that pays seconds later needs more than the usual 0.99.
-        deterministic_env_fraction: share of the simulations that act without noise in training, unless the trainer
-            is told otherwise. Whether it helps is a matter of the robot (docs/trainer.md).
     """
 
     id: str
@@ -120,8 +116,6 @@ class Task:
     constants: Mapping[str, float] = field(default_factory=dict)
     terrain: Terrain | None = None
     episode_steps: int = 1000
-    discount: float = 0.99
-    deterministic_env_fraction: float = 0.0
     version: int = 1
 
     @property

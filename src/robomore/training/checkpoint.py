@@ -1,8 +1,8 @@
-"""A training at rest: a folder with one JSON file and the arrays it names, no code in either.
+"""Checkpoints: a folder with one JSON file and the arrays that it names, no code in either.
 
-The JSON file is replaced in one step once the arrays it names are on disk, so a reader meets the
+The JSON file is replaced in one step once the arrays it names are on disk, so a reader finds the
 old checkpoint or the new one, whenever the writer dies. It carries digests of the arrays and of
-itself, so that a damaged checkpoint is none, and alters no number.
+itself, so that a damaged checkpoint counts as none.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 log = logging.getLogger(__name__)
 
 INDEX = "checkpoint.json"
-VERSION = 2
+VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Checkpoint:
     Attributes:
         facts: JSON values.
         arrays: of the trainer, by name.
-        environment: what `VectorEnvProtocol.state` returned.
+        environment: what `TrainingEnv.state` returned.
     """
 
     facts: dict[str, Any]
@@ -75,6 +75,26 @@ def load_checkpoint(folder: Path) -> Checkpoint | None:
         log.warning("the checkpoint in %s cannot be read (%s); starting anew", folder, error)
         return None
     return Checkpoint(index["facts"], *parts)
+
+
+def checkpoint_of(folder: Path, identity: Any, most_steps: int) -> Checkpoint | None:
+    """Return what `folder` holds if a training may continue from it.
+
+    Args:
+        folder: may hold a checkpoint whose facts have `identity` and `steps`.
+        identity: of the training, as JSON values; a checkpoint is of this training if it is equal.
+        most_steps: control steps that the training may have done.
+    """
+    found = load_checkpoint(folder)
+    if found is None:
+        return None
+    if found.facts["identity"] != identity:
+        log.warning("the checkpoint in %s is of another training; starting anew", folder)
+        return None
+    if found.facts["steps"] > most_steps:
+        log.info("the checkpoint in %s is past %d steps; starting anew", folder, most_steps)
+        return None
+    return found
 
 
 def _index(folder: Path) -> dict[str, Any] | None:

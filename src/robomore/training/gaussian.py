@@ -26,8 +26,8 @@ def sample(heads: jax.Array, noise: jax.Array) -> tuple[jax.Array, jax.Array]:
     raw = mean + jnp.exp(log_deviation) * noise
     # log(1 - tanh(raw)^2) in a form that neither overflows nor cancels.
     squash = 2 * (math.log(2) - raw - jax.nn.softplus(-2 * raw))
-    density = -0.5 * jnp.square(noise) - log_deviation - 0.5 * math.log(2 * math.pi) - squash
-    return jnp.tanh(raw), density.sum(axis=-1)
+    log_prob = -0.5 * jnp.square(noise) - log_deviation - 0.5 * math.log(2 * math.pi) - squash
+    return jnp.tanh(raw), log_prob.sum(axis=-1)
 
 
 def explore(

@@ -1,203 +1,172 @@
-"""The off-policy loop that every algorithm here shares: act for a round, learn, keep checkpoints.
+"""The off-policy loop that our algorithms share: act for a round, learn, keep checkpoints.
 
-Acting, the replay memory and everything random are NumPy's; learning is one compiled call a
-round. What a checkpoint holds is exactly what the loop reads, so continuing gives the same bits
-as never having stopped.
+Acting, the replay buffer and everything random are NumPy's; learning is one compiled call a round.
+A checkpoint holds exactly what the loop reads, so a continued training gives the same bits as one
+that was never stopped.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import json
-import logging
 import math
-import time
+from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import jax
 import numpy as np
 from numpy.typing import NDArray
 
 from robomore.errors import TrainingDiverged
-from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from robomore.training.checkpoint import Checkpoint, checkpoint_of, save_checkpoint
+from robomore.training.compilation import use_cache
+from robomore.training.curve import CurveRecorder
 from robomore.training.gaussian import explore
 from robomore.training.policy import MLPPolicy
-from robomore.training.replay import Replay
-from robomore.training.trainer import PROGRESS_SECONDS, Progress, VectorEnvProtocol, whole_rounds
-
-log = logging.getLogger(__name__)
+from robomore.training.replay_buffer import ReplayBuffer
+from robomore.training.rounds import train_in_rounds, whole_rounds
+from robomore.training.settings import LoopSettings
+from robomore.training.threads import use_one_thread
+from robomore.training.trainer import Progress, TrainingEnv, TrainingResult
 
 Layers = list[tuple[NDArray[np.float32], NDArray[np.float32]]]
 """Weight and bias of each layer of a stochastic policy, normalisation folded in. The last layer
-gives the Gaussian's mean and the logarithm of its deviation."""
+gives the Gaussian's mean and the logarithm of its standard deviation."""
 
-SNAPSHOT_GROWTH = 1.1
-"""A policy is put aside each time that the steps have grown by this factor, which is a schedule
-that no budget enters: continuing gives the policies of never having stopped."""
-
-
-class LoopSettings(Protocol):
-    """What the loop reads of an algorithm's settings (`robomore.training.settings`)."""
-
-    @property
-    def train_freq(self) -> int: ...
-    @property
-    def gradient_steps(self) -> int: ...
-    @property
-    def learning_starts(self) -> int: ...
-    @property
-    def buffer_size(self) -> int: ...
-    @property
-    def batch_size(self) -> int: ...
-    @property
-    def discount(self) -> float | None: ...
-    @property
-    def n_step(self) -> int: ...
-    @property
-    def deterministic_env_fraction(self) -> float | None: ...
-    @property
-    def policy_ema_fraction(self) -> float: ...
-    @property
-    def snapshots(self) -> int: ...
+CHECKPOINT_GROWTH = 1.1
+"""A policy is put aside each time that the steps have grown by this factor. No budget enters this
+schedule, so a continued training returns the policies of one that was never stopped."""
 
 
-class Learning(Protocol):
-    """The algorithm proper: a tree of arrays, and what one round of learning makes of it."""
+class OffPolicyTrainer(ABC):
+    """A `Trainer` that consists of this loop and an algorithm; see `TrainingRun` for the loop.
 
+    An algorithm is a tree of arrays (`begin`), and what one round of learning makes of it
+    (`learn`).
+    """
+
+    def __init__(self, settings: Any) -> None:
+        """Prepare JAX for this process.
+
+        Args:
+            settings: of the algorithm, a kind of `LoopSettings`.
+        """
+        use_one_thread()
+        use_cache()
+        self.settings = settings
+
+    @abstractmethod
     def begin(
         self, random: np.random.Generator, observation_size: int, action_size: int
     ) -> tuple[Any, Layers]:
         """Return the tree before any learning, and its policy."""
-        ...
 
+    @abstractmethod
     def learn(
-        self, learner: Any, rows: NDArray[np.float32], noise: NDArray[np.float32], done: int
+        self, state: Any, rows: NDArray[np.float32], noise: NDArray[np.float32], done: int
     ) -> tuple[Any, Layers, dict[str, float]]:
-        """Return the tree after one round of learning, its policy, and losses by name.
+        """Return the tree after one round of learning, its policy, and losses by series name.
 
         Args:
-            learner: the tree, which may be overwritten.
-            rows: (updates, batch, width) from `Replay.sample`; the last column is what a value
-                after the row is worth at its start.
-            noise: (updates, 2, batch, actions), standard normal.
+            state: the tree, which may be overwritten.
+            rows: (gradient steps, batch, width) from `ReplayBuffer.sample`.
+            noise: (gradient steps, 2, batch, action_size), standard normal.
             done: gradient steps done before.
         """
-        ...
+
+    def prepare(self, observation_size: int, action_size: int) -> None:
+        """Compile for a robot; see `Trainer.prepare`."""
+        shape = self.settings.gradient_steps, self.settings.batch_size
+        state, _ = self.begin(np.random.default_rng(0), observation_size, action_size)
+        rows = np.zeros((*shape, 2 * observation_size + action_size + 2), np.float32)
+        noise = np.zeros((shape[0], 2, shape[1], action_size), np.float32)
+        self.learn(state, rows, noise, done=0)
+
+    def train(
+        self,
+        environment: TrainingEnv,
+        steps: int,
+        seed: int,
+        checkpoint: Path | None = None,
+        progress: Progress | None = None,
+    ) -> TrainingResult:
+        """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`."""
+        steps = whole_rounds(self.settings, environment, steps)
+        run = TrainingRun(self, self.settings, environment, seed)
+        return train_in_rounds(run, steps, checkpoint, progress)
 
 
-def train(
-    learning: Learning,
-    settings: Any,
-    environment: VectorEnvProtocol,
-    steps: int,
-    seed: int,
-    checkpoint: Path | None,
-    progress: Progress | None,
-) -> list[MLPPolicy]:
-    """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`.
-
-    Raises:
-        InputError: fewer steps than one round, or a round that the simulations do not divide.
-        TrainingDiverged: a weight or a loss is no longer a finite number.
-    """
-    rounds = whole_rounds(settings, environment, steps)
-    run = Run(learning, settings, environment, seed)
-    if checkpoint is None or not run.restore(checkpoint, rounds):
-        run.observation = environment.reset(seed)
-    told = time.monotonic()
-    while run.rounds < rounds:
-        run.advance()
-        if progress is not None and time.monotonic() - told > PROGRESS_SECONDS:
-            told = time.monotonic()
-            progress(run.steps)
-    if progress is not None:
-        progress(run.steps)
-    if checkpoint is not None:
-        run.save(checkpoint)
-    return run.policies()
-
-
-class Run:
-    """A training under way."""
+class TrainingRun:
+    """A training under way, in an environment that starts anew or from a checkpoint."""
 
     def __init__(
-        self, learning: Learning, settings: Any, environment: VectorEnvProtocol, seed: int
+        self,
+        algorithm: OffPolicyTrainer,
+        settings: LoopSettings,
+        environment: TrainingEnv,
+        seed: int,
     ) -> None:
         sizes = environment.observation_size, environment.action_size
-        self.learning = learning
-        self.settings: LoopSettings = settings
+        self.algorithm = algorithm
+        self.settings = settings
         self.environment = environment
         self.random = np.random.default_rng(seed)
-        self.replay = Replay(settings.buffer_size, *sizes, environment.num_envs)
-        self.learner, self.layers = learning.begin(self.random, *sizes)
+        self.buffer = ReplayBuffer(settings.buffer_size, *sizes, environment.num_envs)
+        self.state, self.layers = algorithm.begin(self.random, *sizes)
         self.average = self.layers
-        self.snapshots: list[Layers] = []
-        share = settings.deterministic_env_fraction
-        self.quiet = int(
-            (environment.deterministic_env_fraction if share is None else share)
-            * environment.num_envs
-        )
-        self.observation = np.zeros((environment.num_envs, sizes[0]))
-        self.rounds = 0
+        self.earlier: list[Layers] = []  # policies put aside
+        self.curve = CurveRecorder(environment.num_envs)
+        self.num_deterministic = int(settings.deterministic_env_fraction * environment.num_envs)
+        self.observation = environment.reset(seed)
+        self.steps = 0
         self.updates = 0
         # A checkpoint is of this training if these agree; JSON, so that they compare as stored.
         identity = [
-            type(learning).__name__,
+            type(algorithm).__name__,
             dataclasses.asdict(settings),
             seed,
             environment.num_envs,
             sizes,
-            self.discount,
-            self.quiet,
         ]
         self.identity = json.loads(json.dumps(identity))
 
-    @property
-    def steps(self) -> int:
-        """Control steps done, over all simulations."""
-        return self.rounds * self.settings.train_freq
-
-    @property
-    def discount(self) -> float:
-        """What a reward one control step later is worth."""
-        asked = self.settings.discount
-        return self.environment.discount if asked is None else asked
-
     def advance(self) -> None:
-        """Act for one round, then learn from what is remembered."""
+        """Act for one round, then learn from what the buffer holds."""
         before = self.steps
-        for _ in range(self.settings.train_freq // self.environment.num_envs):
+        for _ in range(self.settings.train_freq):
             self._act()
-        self.rounds += 1
+        self.steps += self.settings.train_freq * self.environment.num_envs
+        losses: dict[str, float] = {}
         if self.steps >= self.settings.learning_starts:
-            self._learn()
+            losses = self._learn()
             if before and _growths(self.steps) > _growths(before):
-                others = self.settings.snapshots - 1
-                self.snapshots = [*self.snapshots, self.average][-others:] if others else []
+                others = self.settings.num_eval_checkpoints - 1
+                self.earlier = [*self.earlier, self.average][-others:] if others else []
+        self.curve.note_round(self.steps, losses, self.environment)
 
     def _act(self) -> None:
         shape = self.environment.num_envs, self.environment.action_size
         if self.updates:
             noise = self.random.standard_normal(shape, np.float32)
-            noise[: self.quiet] = 0
+            noise[: self.num_deterministic] = 0
             action = explore(self.layers, self.observation, noise)
         else:
             action = self.random.uniform(-1, 1, shape).astype(np.float32)
         transition = self.environment.step(action)
-        self.replay.add(self.observation, action, transition)
+        self.buffer.add(self.observation, action, transition)
+        self.curve.note_step(transition)
         self.observation = transition.observation
 
-    def _learn(self) -> None:
-        updates, batch = self.settings.gradient_steps, self.settings.batch_size
-        rows = self.replay.sample(
-            self.random, (updates, batch), self.discount, self.settings.n_step
-        )
+    def _learn(self) -> dict[str, float]:
+        settings = self.settings
+        shape = settings.gradient_steps, settings.batch_size
+        rows = self.buffer.sample(self.random, shape, settings.gamma, settings.n_steps)
         noise = self.random.standard_normal(
-            (updates, 2, batch, self.environment.action_size), np.float32
+            (shape[0], 2, shape[1], self.environment.action_size), np.float32
         )
-        self.learner, self.layers, losses = self.learning.learn(
-            self.learner, rows, noise, self.updates
+        self.state, self.layers, losses = self.algorithm.learn(
+            self.state, rows, noise, self.updates
         )
         finite = all(np.isfinite(weight).all() for weight, _ in self.layers)
         if not finite or not np.isfinite(list(losses.values())).all():
@@ -206,8 +175,9 @@ class Run:
                 f"training diverged after {self.steps} steps: a weight or a loss is no longer a "
                 f"finite number ({said}); the rewards may be too large"
             )
-        self.updates += updates
+        self.updates += settings.gradient_steps
         self._track_average()
+        return losses
 
     def _track_average(self) -> None:
         """Average over a window that grows with training, so that it serves every budget."""
@@ -220,65 +190,65 @@ class Run:
             for old, new in zip(self.average, self.layers, strict=True)
         ]
 
-    def policies(self) -> list[MLPPolicy]:
+    def policies(self) -> tuple[MLPPolicy, ...]:
         """Return deterministic policies, each an average over some rounds; the latest last."""
-        return [deterministic(layers) for layers in (*self.snapshots, self.average)]
+        return tuple(deterministic(layers) for layers in (*self.earlier, self.average))
+
+    def result(self) -> TrainingResult:
+        """Return what the training has given so far."""
+        return TrainingResult(self.policies(), self.curve.curve(self.steps, self.environment))
 
     def save(self, folder: Path) -> None:
-        """Leave everything in `folder`."""
-        arrays = {f"learner{i}": leaf for i, leaf in enumerate(jax.tree.leaves(self.learner))}
+        """Leave a checkpoint in `folder`."""
+        curve, arrays = self.curve.state()
+        arrays |= {f"state{i}": leaf for i, leaf in enumerate(jax.tree.leaves(self.state))}
         for name, layers in self._policies().items():
             for i, (weight, bias) in enumerate(layers):
                 arrays |= {f"{name}_weight{i}": weight, f"{name}_bias{i}": bias}
         arrays["observation"] = self.observation
-        arrays["replay"] = self.replay.rows[: self.replay.size]
-        arrays["replay_ended"] = self.replay.ended[: self.replay.size]
+        arrays["buffer"] = self.buffer.rows[: self.buffer.size]
+        arrays["buffer_ended"] = self.buffer.ended[: self.buffer.size]
         facts = {
             "identity": self.identity,
-            "rounds": self.rounds,
+            "steps": self.steps,
             "updates": self.updates,
-            "snapshots": len(self.snapshots),
-            "replay_position": self.replay.position,
+            "earlier": len(self.earlier),
+            "curve": curve,
+            "buffer_position": self.buffer.position,
             "random": self.random.bit_generator.state,
         }
         save_checkpoint(folder, Checkpoint(facts, arrays, self.environment.state()))
 
-    def restore(self, folder: Path, rounds: int) -> bool:
-        """Continue from `folder` if it holds this training after at most `rounds`."""
-        found = load_checkpoint(folder)
+    def restore(self, folder: Path, most_steps: int) -> None:
+        """Continue from `folder` if it holds this training after at most `most_steps`."""
+        found = checkpoint_of(folder, self.identity, most_steps)
         if found is None:
-            return False
+            return
         facts, arrays = found.facts, found.arrays
-        if facts["identity"] != self.identity:
-            log.warning("the checkpoint in %s is of another training; starting anew", folder)
-            return False
-        if facts["rounds"] > rounds:
-            log.info("the checkpoint in %s is past %d rounds; starting anew", folder, rounds)
-            return False
-        leaves, tree = jax.tree.flatten(self.learner)
-        self.learner = jax.tree.unflatten(tree, [arrays[f"learner{i}"] for i in range(len(leaves))])
+        leaves, tree = jax.tree.flatten(self.state)
+        self.state = jax.tree.unflatten(tree, [arrays[f"state{i}"] for i in range(len(leaves))])
         indices = range(len(self.layers))
 
         def stored(name: str) -> Layers:
             return [(arrays[f"{name}_weight{i}"], arrays[f"{name}_bias{i}"]) for i in indices]
 
         self.layers, self.average = stored("layers"), stored("average")
-        self.snapshots = [stored(f"snapshot{i}") for i in range(facts["snapshots"])]
+        self.earlier = [stored(f"earlier{i}") for i in range(facts["earlier"])]
         self.observation = arrays["observation"]
-        self.replay.restore(arrays["replay"], arrays["replay_ended"], facts["replay_position"])
-        self.rounds, self.updates = facts["rounds"], facts["updates"]
+        self.buffer.restore(arrays["buffer"], arrays["buffer_ended"], facts["buffer_position"])
+        self.steps, self.updates = facts["steps"], facts["updates"]
         self.random.bit_generator.state = facts["random"]
+        self.curve.restore(facts["curve"], arrays)
         self.environment.restore(found.environment)
-        return True
 
     def _policies(self) -> dict[str, Layers]:
         """Everything that has the form of a policy, by the name it is stored under."""
-        snapshots = {f"snapshot{i}": layers for i, layers in enumerate(self.snapshots)}
-        return {"layers": self.layers, "average": self.average} | snapshots
+        earlier = {f"earlier{i}": layers for i, layers in enumerate(self.earlier)}
+        return {"layers": self.layers, "average": self.average} | earlier
 
 
 def _growths(steps: int) -> int:
-    return int(math.log(steps) / math.log(SNAPSHOT_GROWTH))
+    return int(math.log(steps) / math.log(CHECKPOINT_GROWTH))
 
 
 def deterministic(layers: Layers) -> MLPPolicy:

@@ -29,7 +29,7 @@ def adam_step(
     adam: Adam,
     parameters: jax.Array,
     gradients: jax.Array,
-    rate: float,
+    learning_rate: float,
     decay: tuple[float, float],
 ) -> tuple[jax.Array, Adam]:
     """Return `parameters` after one step down `gradients`, and the state after it.
@@ -38,14 +38,14 @@ def adam_step(
         adam: state before.
         parameters: of any shape.
         gradients: of the same shape.
-        rate: learning rate.
+        learning_rate: size of a step.
         decay: of the running mean and of the running mean square.
     """
     steps = adam.steps + 1
     mean = decay[0] * adam.mean + (1 - decay[0]) * gradients
     square = decay[1] * adam.square + (1 - decay[1]) * gradients * gradients
-    # Both moments start at zero; undoing that is a factor on the rate and on epsilon.
+    # Both moments start at zero; undoing that is a factor on the learning rate and on epsilon.
     unbias = jnp.sqrt(1 - decay[1] ** steps)
-    step = rate * unbias / (1 - decay[0] ** steps)
+    step = learning_rate * unbias / (1 - decay[0] ** steps)
     moved = parameters - step * mean / (jnp.sqrt(square) + EPSILON * unbias)
     return moved, Adam(mean, square, steps)

@@ -1,4 +1,4 @@
-"""Measuring a policy: whole episodes, each from a seed of its own, with no reward anywhere."""
+"""Measuring a policy: whole episodes, each with its own seed, and no reward anywhere."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from robomore.envs.transition import Transition
 from robomore.training.policy import MLPPolicy
 
 
-class Stage(Protocol):
-    """Simulations whose episodes are started one by one (`VectorEnv` without `auto_reset`)."""
+class EvaluationEnv(Protocol):
+    """Environments whose episodes are started one by one (`VectorEnv` without `auto_reset`)."""
 
     @property
     def num_envs(self) -> int: ...
 
     @property
     def root_positions(self) -> NDArray[np.float64]:
-        """(n, 2) x and z of the torso in m, at the end of an episode too."""
+        """(num_envs, 2) x and z of the torso in m, at the end of an episode too."""
         ...
 
     def reset_one(self, index: int, seed: int) -> NDArray[np.float64]: ...
@@ -31,10 +31,10 @@ class Stage(Protocol):
 
 @dataclass(frozen=True)
 class Rollout:
-    """What each episode gave, in the order of its seeds; every array is (episodes,).
+    """What each episode gave, in the order of the seeds; every array is (episodes,).
 
     Attributes:
-        distance: forward way of the torso from the first to the last step, in m.
+        distance: how far the torso moved forward from the first to the last step, in m.
         highest: highest torso height, in m.
         lowest: lowest torso height, in m.
         rest_height: torso height at the start, in m.
@@ -54,12 +54,12 @@ class Rollout:
     jerk: NDArray[np.float64]
 
 
-def rollout(policy: MLPPolicy, stage: Stage, seeds: Sequence[int]) -> Rollout:
+def rollout(policy: MLPPolicy, environment: EvaluationEnv, seeds: Sequence[int]) -> Rollout:
     """Run one episode of the deterministic policy for each of `seeds`.
 
     Args:
         policy: what acts.
-        stage: simulations without a reward, which do not restart by themselves.
+        environment: has no reward, and does not start episodes by itself.
         seeds: one for each episode, at least one.
 
     Raises:
@@ -70,24 +70,24 @@ def rollout(policy: MLPPolicy, stage: Stage, seeds: Sequence[int]) -> Rollout:
     finished: list[_Episode] = []
 
     def begin(i: int) -> NDArray[np.float64]:
-        # A simulation without work goes on idly, so that batches keep their size.
+        # An environment without work goes on idly, so that batches keep their size.
         number, seed = waiting.pop() if waiting else (None, seeds[-1])
-        first = stage.reset_one(i, seed)
+        first = environment.reset_one(i, seed)
         if number is not None:
-            x, height = stage.root_positions[i].tolist()
+            x, height = environment.root_positions[i].tolist()
             running[i] = _Episode(number, start=x, rest_height=height)
         return first
 
-    observation = np.array([begin(i) for i in range(stage.num_envs)])
-    before = np.zeros((stage.num_envs, 1), np.float32)
+    observation = np.array([begin(i) for i in range(environment.num_envs)])
+    before = np.zeros((environment.num_envs, 1), np.float32)
     while running:
         actions = policy.act(observation)
         effort = np.abs(actions).mean(axis=1)
         jerk = np.abs(actions - before).mean(axis=1)
         before = actions
-        transition = stage.step(actions)
-        positions = stage.root_positions
-        # The simulations may hand out an array of their own.
+        transition = environment.step(actions)
+        positions = environment.root_positions
+        # The environment may hand out an array of its own.
         observation = transition.observation.copy()
         for i, episode in running.items():
             x, height = positions[i].tolist()

@@ -7,7 +7,6 @@ entropy is learnt. All gradient steps of a round are one compiled scan.
 from __future__ import annotations
 
 from functools import lru_cache, partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
@@ -15,28 +14,38 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.training import loop, networks, perceptron
-from robomore.training.compilation import use_cache
+from robomore.training import networks, perceptron
+from robomore.training.actor_critic import (
+    Alpha,
+    Minibatch,
+    NetworkSizes,
+    actor_loss,
+    critic_loss,
+    entropy_bonus,
+    for_each_critic,
+    initial_alpha,
+    network_sizes,
+    observation_size,
+    soft_target,
+    split_rows,
+    update_alpha,
+)
 from robomore.training.gaussian import sample
-from robomore.training.minibatch import Minibatch, observation_size, take_apart
-from robomore.training.networks import Folded, Sizes
+from robomore.training.loop import Layers, OffPolicyTrainer
+from robomore.training.networks import Folded
 from robomore.training.optimiser import Adam, adam_step, initial_adam
-from robomore.training.policy import MLPPolicy
 from robomore.training.settings import SACSettings
-from robomore.training.threads import use_one_thread
-from robomore.training.trainer import Progress, VectorEnvProtocol
 
 DECAY = 0.9, 0.999
 """Adam's usual decay of the mean gradient and of the mean squared gradient."""
 
 
-class Policy(NamedTuple):
-    """The policy, and the weight of its entropy, as gradient steps change them."""
+class Actor(NamedTuple):
+    """The policy as gradient steps change it, and the weight of its entropy."""
 
     parameters: jax.Array
     adam: Adam
-    log_entropy_weight: jax.Array
-    entropy_adam: Adam
+    alpha: Alpha
 
 
 class Critics(NamedTuple):
@@ -47,66 +56,43 @@ class Critics(NamedTuple):
     adam: Adam
 
 
-class Learner(NamedTuple):
+class TrainState(NamedTuple):
     """Everything that gradient steps change."""
 
-    policy: Policy
+    actor: Actor
     critics: Critics
 
 
-class SAC:
+class SAC(OffPolicyTrainer):
     """Trains with soft actor-critic; see `Trainer`."""
 
-    def __init__(self, settings: SACSettings) -> None:
-        use_one_thread()
-        use_cache()
-        self.settings = settings
-
-    def prepare(self, observation_size: int, action_size: int) -> None:
-        """Compile for a robot; see `Trainer.prepare`."""
-        updates, batch = self.settings.gradient_steps, self.settings.batch_size
-        learner, _ = self.begin(np.random.default_rng(0), observation_size, action_size)
-        rows = np.zeros((updates, batch, 2 * observation_size + action_size + 2), np.float32)
-        self.learn(learner, rows, np.zeros((updates, 2, batch, action_size), np.float32), done=0)
-
-    def train(
-        self,
-        environment: VectorEnvProtocol,
-        steps: int,
-        seed: int,
-        checkpoint: Path | None = None,
-        progress: Progress | None = None,
-    ) -> list[MLPPolicy]:
-        """Train for `steps` control steps; see `loop.train`."""
-        return loop.train(self, self.settings, environment, steps, seed, checkpoint, progress)
+    settings: SACSettings
 
     def begin(
         self, random: np.random.Generator, observation_size: int, action_size: int
-    ) -> tuple[Learner, loop.Layers]:
-        """Return the learner before any learning, and its policy; see `loop.Learning`."""
+    ) -> tuple[TrainState, Layers]:
+        """Return the state before any learning, and its policy; see `OffPolicyTrainer`."""
         settings = self.settings
-        sizes = _Sizes(settings, observation_size, action_size)
-        policy = perceptron.initial_parameters(random, sizes.policy)
-        critics = np.stack(
-            [perceptron.initial_parameters(random, sizes.critic) for _ in range(settings.critics)]
-        )
-        log_weight = np.log(np.float32(settings.init_alpha))
+        sizes = network_sizes(settings, observation_size, action_size)
         # NumPy's arrays become JAX's in the first round.
-        learner: Any = (
-            (policy, initial_adam(policy), log_weight, initial_adam(log_weight)),
-            (critics, critics.copy(), initial_adam(critics)),
+        actor: Any = perceptron.initial_parameters(random, sizes.actor)
+        critics: Any = np.stack(
+            [perceptron.initial_parameters(random, sizes.critic) for _ in range(settings.n_critics)]
         )
-        untrained: Any = policy
-        acting: Any = perceptron.layers(untrained, sizes.policy)
-        return Learner(Policy(*learner[0]), Critics(*learner[1])), acting
+        state = TrainState(
+            Actor(actor, initial_adam(actor), initial_alpha(settings)),
+            Critics(critics, critics.copy(), initial_adam(critics)),
+        )
+        layers: Any = perceptron.layers(actor, sizes.actor)
+        return state, layers
 
     def learn(
-        self, learner: Learner, rows: NDArray[np.float32], noise: NDArray[np.float32], done: int
-    ) -> tuple[Learner, loop.Layers, dict[str, float]]:
-        """Do one round of gradient steps in one compiled call; see `loop.Learning`."""
-        learner, acting, losses = _compiled(self.settings)(learner, rows, noise)
+        self, state: TrainState, rows: NDArray[np.float32], noise: NDArray[np.float32], done: int
+    ) -> tuple[TrainState, Layers, dict[str, float]]:
+        """Do one round of gradient steps in one compiled call; see `OffPolicyTrainer`."""
+        state, acting, losses = _compiled(self.settings)(state, rows, noise)
         layers = [(np.asarray(weight), np.asarray(bias)) for weight, bias in acting]
-        return learner, layers, {name: float(value) for name, value in losses.items()}
+        return state, layers, {name: float(value) for name, value in losses.items()}
 
 
 @lru_cache
@@ -114,60 +100,53 @@ def _compiled(settings: SACSettings) -> Any:
     return jax.jit(partial(_round, settings), donate_argnums=0)
 
 
-class _Sizes:
-    """Sizes of the networks for a robot."""
-
-    def __init__(self, settings: SACSettings, observations: int, actions: int) -> None:
-        self.policy: Sizes = (observations, *settings.hidden, 2 * actions)
-        self.critic: Sizes = (observations + actions, *settings.hidden, 1)
-
-
 def _round(
-    settings: SACSettings, learner: Learner, rows: jax.Array, noise: jax.Array
-) -> tuple[Learner, Folded, dict[str, jax.Array]]:
-    """Return the learner after a round, its policy, and losses averaged over the round."""
-    actions = noise.shape[-1]
-    sizes = _Sizes(settings, observation_size(rows, actions), actions)
+    settings: SACSettings, state: TrainState, rows: jax.Array, noise: jax.Array
+) -> tuple[TrainState, Folded, dict[str, jax.Array]]:
+    """Return the state after a round, its policy, and losses averaged over the round."""
+    action_size = noise.shape[-1]
+    sizes = network_sizes(settings, observation_size(rows, action_size), action_size)
     step = partial(_gradient_step, settings, sizes)
-    learner, losses = jax.lax.scan(step, learner, (rows, noise))
-    acting = perceptron.layers(learner.policy.parameters, sizes.policy)
-    return learner, acting, jax.tree.map(jnp.mean, losses)
+    state, losses = jax.lax.scan(step, state, (rows, noise))
+    acting = perceptron.layers(state.actor.parameters, sizes.actor)
+    return state, acting, jax.tree.map(jnp.mean, losses)
 
 
 def _gradient_step(
-    settings: SACSettings, sizes: _Sizes, learner: Learner, given: tuple[jax.Array, jax.Array]
-) -> tuple[Learner, dict[str, jax.Array]]:
-    """One step of the critics, then of policy and entropy weight."""
+    settings: SACSettings,
+    sizes: NetworkSizes,
+    state: TrainState,
+    given: tuple[jax.Array, jax.Array],
+) -> tuple[TrainState, dict[str, jax.Array]]:
+    """One step of the critics, then of actor and entropy weight."""
     rows, (next_noise, noise) = given
-    batch = take_apart(rows, noise.shape[-1])
-    critics, critic_loss = _learn_critics(settings, sizes, learner, batch, next_noise)
-    policy, policy_loss = _learn_policy(
-        settings, sizes, learner.policy, critics, batch.observation, noise
-    )
+    batch = split_rows(rows, noise.shape[-1])
+    critics, of_critics = _update_critics(settings, sizes, state, batch, next_noise)
+    actor, of_actor = _update_actor(settings, sizes, state.actor, critics, batch.observation, noise)
     losses = {
-        "critic loss": critic_loss,
-        "policy loss": policy_loss,
-        "entropy weight": jnp.exp(policy.log_entropy_weight),
+        "loss/critic": of_critics,
+        "loss/actor": of_actor,
+        "alpha": jnp.exp(actor.alpha.log),
     }
-    return Learner(policy, critics), losses
+    return TrainState(actor, critics), losses
 
 
-def _learn_critics(
-    settings: SACSettings, sizes: _Sizes, learner: Learner, batch: Minibatch, noise: jax.Array
+def _update_critics(
+    settings: SACSettings,
+    sizes: NetworkSizes,
+    state: TrainState,
+    batch: Minibatch,
+    noise: jax.Array,
 ) -> tuple[Critics, jax.Array]:
-    policy, critics = learner
-    heads = networks.apply(
-        perceptron.layers(policy.parameters, sizes.policy), batch.next_observation
-    )
-    next_action, density = sample(heads, noise)
-    followers = _layers_of_each(critics.targets, sizes)
-    next_value = _values(followers, batch.next_observation, next_action).min(axis=0)
-    entropy_bonus = -jnp.exp(policy.log_entropy_weight) * density
-    target = batch.reward + batch.future * (next_value + entropy_bonus)
+    actor, critics = state
+    heads = networks.apply(perceptron.layers(actor.parameters, sizes.actor), batch.next_observation)
+    next_action, log_prob = sample(heads, noise)
+    targets = _layers_of_each(critics.targets, sizes)
+    next_value = _values(targets, batch.next_observation, next_action).min(axis=0)
+    target = soft_target(batch, next_value, entropy_bonus(actor.alpha, log_prob))
 
     def loss(layers: Folded) -> jax.Array:
-        value = _values(layers, batch.observation, batch.action)
-        return 0.5 * jnp.square(value - target).mean(axis=1).sum()
+        return critic_loss(_values(layers, batch.observation, batch.action), target)
 
     layers = _layers_of_each(critics.parameters, sizes)
     value, gradients = jax.value_and_grad(loss)(layers)
@@ -175,49 +154,44 @@ def _learn_critics(
         critics.adam,
         critics.parameters,
         jax.vmap(networks.flatten)(gradients),
-        settings.rate,
+        settings.learning_rate,
         DECAY,
     )
-    targets = critics.targets + settings.tau * (parameters - critics.targets)
-    return Critics(parameters, targets, adam), value
+    followed = critics.targets + settings.tau * (parameters - critics.targets)
+    return Critics(parameters, followed, adam), value
 
 
-def _learn_policy(
+def _update_actor(
     settings: SACSettings,
-    sizes: _Sizes,
-    policy: Policy,
+    sizes: NetworkSizes,
+    actor: Actor,
     critics: Critics,
     observation: jax.Array,
     noise: jax.Array,
-) -> tuple[Policy, jax.Array]:
-    entropy_weight = jnp.exp(policy.log_entropy_weight)
-    judges = _layers_of_each(critics.parameters, sizes)
+) -> tuple[Actor, jax.Array]:
+    rate = settings.learning_rate
+    alpha = jnp.exp(actor.alpha.log)
+    critic_layers = _layers_of_each(critics.parameters, sizes)
 
     def loss(layers: Folded) -> tuple[jax.Array, jax.Array]:
-        action, density = sample(networks.apply(layers, observation), noise)
-        values = _values(judges, observation, action).min(axis=0)
-        return (entropy_weight * density - values).mean(), -density.mean()
+        action, log_prob = sample(networks.apply(layers, observation), noise)
+        value = _values(critic_layers, observation, action).min(axis=0)
+        return actor_loss(alpha, log_prob, value), -log_prob.mean()
 
-    layers = perceptron.layers(policy.parameters, sizes.policy)
+    layers = perceptron.layers(actor.parameters, sizes.actor)
     (value, entropy), gradients = jax.value_and_grad(loss, has_aux=True)(layers)
     parameters, adam = adam_step(
-        policy.adam, policy.parameters, networks.flatten(gradients), settings.rate, DECAY
+        actor.adam, actor.parameters, networks.flatten(gradients), rate, DECAY
     )
-    # The weight rises while the entropy is under its target, and falls while it is above.
-    wanted = -noise.shape[-1] if settings.target_entropy is None else settings.target_entropy
-    log_entropy_weight, entropy_adam = adam_step(
-        policy.entropy_adam, policy.log_entropy_weight, entropy - wanted, settings.rate, DECAY
-    )
-    return Policy(parameters, adam, log_entropy_weight, entropy_adam), value
+    updated = update_alpha(settings, actor.alpha, entropy, noise.shape[-1], rate, DECAY)
+    return Actor(parameters, adam, updated), value
 
 
-def _layers_of_each(parameters: jax.Array, sizes: _Sizes) -> Folded:
+def _layers_of_each(parameters: jax.Array, sizes: NetworkSizes) -> Folded:
     return jax.vmap(partial(perceptron.layers, sizes=sizes.critic))(parameters)
 
 
 def _values(critics: Folded, observation: jax.Array, action: jax.Array) -> jax.Array:
-    """Return what each critic thinks of each action, (critics, batch)."""
+    """Return the value that each critic gives each action, (n_critics, batch)."""
     inputs = jnp.concatenate([observation, action], axis=1)
-    # Shared inputs would make one wide product, whose outputs then have to be transposed.
-    inputs = jnp.broadcast_to(inputs, (len(critics[0][0]), *inputs.shape))
-    return jax.vmap(networks.apply)(critics, inputs)[..., 0]
+    return jax.vmap(networks.apply)(critics, for_each_critic(len(critics[0][0]), inputs))[..., 0]

@@ -1,16 +1,14 @@
 """The paper's own trainer: soft actor-critic of Stable-Baselines3 (extra `sb3`), on PyTorch.
 
-The library learns in simulations of ours, and what it has learnt is handed out as the plain policy
-that all trainers return, so that it is measured as theirs are.
+The library learns in our environments. Its policy is returned as the plain arrays that all trainers
+return, so that it is measured as theirs are.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import json
-import logging
 import os
-import time
 from pathlib import Path
 from typing import Any
 
@@ -23,16 +21,23 @@ from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecEnv
 
 from robomore.errors import TrainingDiverged
-from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from robomore.training.checkpoint import Checkpoint, checkpoint_of, save_checkpoint
+from robomore.training.curve import CurveRecorder
 from robomore.training.policy import MLPPolicy
+from robomore.training.rounds import train_in_rounds, whole_rounds
 from robomore.training.settings import SB3Settings
 from robomore.training.threads import ONE_THREAD
-from robomore.training.trainer import PROGRESS_SECONDS, Progress, VectorEnvProtocol, whole_rounds
+from robomore.training.trainer import Progress, TrainingEnv, TrainingResult
 
-log = logging.getLogger(__name__)
+_BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+"""Arrays of the library's replay buffer."""
 
-_MEMORY = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
-"""Arrays of the library's replay memory."""
+_SERIES = {
+    "train/critic_loss": "loss/critic",
+    "train/actor_loss": "loss/actor",
+    "train/ent_coef": "alpha",
+}
+"""What the library logs, and how the learning curve calls it."""
 
 
 class SB3:
@@ -49,53 +54,42 @@ class SB3:
 
     def train(
         self,
-        environment: VectorEnvProtocol,
+        environment: TrainingEnv,
         steps: int,
         seed: int,
         checkpoint: Path | None = None,
         progress: Progress | None = None,
-    ) -> list[MLPPolicy]:
-        """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`.
-
-        Raises:
-            InputError: fewer steps than one round, or a round that the simulations do not divide.
-            TrainingDiverged: a weight is no longer a finite number.
-        """
-        steps = whole_rounds(self.settings, environment, steps) * self.settings.train_freq
+    ) -> TrainingResult:
+        """Train for `steps` control steps, rounded down to whole rounds; see `Trainer.train`."""
+        steps = whole_rounds(self.settings, environment, steps)
         run = _Run(self.settings, environment, steps, seed)
-        if checkpoint is not None:
-            run.restore(checkpoint)
-        run.learn(progress)
-        if checkpoint is not None:
-            run.save(checkpoint)
-        return [run.policy()]
+        return train_in_rounds(run, steps, checkpoint, progress)
 
 
 class _Run:
     """A training under way."""
 
     def __init__(
-        self, settings: SB3Settings, environment: VectorEnvProtocol, steps: int, seed: int
+        self, settings: SB3Settings, environment: TrainingEnv, budget: int, seed: int
     ) -> None:
+        self.settings = settings
         self.environment = environment
-        self.steps = steps
-        asked = settings.discount
-        discount = environment.discount if asked is None else asked
+        self.curve = CurveRecorder(environment.num_envs)
         self.model = SAC(
             "MlpPolicy",
-            LibraryEnvironment(environment, seed),
-            learning_rate=settings.rate,
-            # A memory that is never filled is the same at any size.
-            buffer_size=min(settings.buffer_size, steps + environment.num_envs),
+            LibraryEnvironment(environment, seed, self.curve),
+            learning_rate=settings.learning_rate,
+            # A buffer that is never filled is the same at any size.
+            buffer_size=min(settings.buffer_size, budget + environment.num_envs),
             learning_starts=settings.learning_starts,
             batch_size=settings.batch_size,
             tau=settings.tau,
-            gamma=discount,
-            train_freq=(settings.train_freq // environment.num_envs, "step"),
+            gamma=settings.gamma,
+            train_freq=settings.train_freq,
             gradient_steps=settings.gradient_steps,
             ent_coef=f"auto_{settings.init_alpha}",
             target_entropy="auto" if settings.target_entropy is None else settings.target_entropy,
-            policy_kwargs={"net_arch": list(settings.hidden), "n_critics": settings.critics},
+            policy_kwargs={"net_arch": list(settings.net_arch), "n_critics": settings.n_critics},
             seed=seed,
             device="cpu",
         )
@@ -107,58 +101,55 @@ class _Run:
             seed,
             environment.num_envs,
             [environment.observation_size, environment.action_size],
-            discount,
         ]
         self.identity = json.loads(json.dumps(identity))
 
-    def learn(self, progress: Progress | None) -> None:
-        """Go on until the budget is used up."""
-        model, told, updates = self.model, time.monotonic(), self.model._n_updates
+    @property
+    def steps(self) -> int:
+        """Control steps done, over all environments."""
+        steps: int = self.model.num_timesteps
+        return steps
 
-        def after_step(*_: Any) -> bool:
-            nonlocal told, updates
-            if model._n_updates > updates:
-                updates = model._n_updates
-                self._check()
-            if progress is not None and time.monotonic() - told > PROGRESS_SECONDS:
-                told = time.monotonic()
-                progress(model.num_timesteps)
-            return True
-
+    def advance(self) -> None:
+        """Act for one round, then learn."""
+        model, updates = self.model, self.model._n_updates
         try:
-            model.learn(
-                self.steps - model.num_timesteps, callback=after_step, reset_num_timesteps=False
-            )
+            # One round; the library counts the budget from the very first step.
+            model.learn(1, log_interval=None, reset_num_timesteps=False)
         except ValueError:
             # PyTorch's distributions refuse numbers that are not finite.
             self._check()
             raise
-        self._check()
-        if progress is not None:
-            progress(model.num_timesteps)
+        losses = {}
+        if model._n_updates > updates:
+            self._check()
+            said = model.logger.name_to_value
+            losses = {series: float(said[name]) for name, series in _SERIES.items()}
+        self.curve.note_round(self.steps, losses, self.environment)
 
     def _check(self) -> None:
         if not all(torch.isfinite(each).all() for each in self.model.policy.parameters()):
             raise TrainingDiverged(
-                f"training diverged after {self.model.num_timesteps} steps: a weight is no longer "
+                f"training diverged after {self.steps} steps: a weight is no longer "
                 "a finite number; the rewards may be too large"
             )
 
-    def policy(self) -> MLPPolicy:
-        """Return the deterministic policy."""
+    def result(self) -> TrainingResult:
+        """Return what the training has given so far; its policy is the deterministic one."""
         actor = self.model.actor
         linear = [part for part in actor.latent_pi if isinstance(part, torch.nn.Linear)]
         layers = [*linear, actor.mu]
-        return MLPPolicy(
+        policy = MLPPolicy(
             tuple(layer.weight.detach().numpy().T.copy() for layer in layers),
             tuple(layer.bias.detach().numpy().copy() for layer in layers),
         )
+        return TrainingResult((policy,), self.curve.curve(self.steps, self.environment))
 
     def save(self, folder: Path) -> None:
         """Leave everything in `folder`."""
-        model, memory = self.model, self.model.replay_buffer
-        filled = memory.buffer_size if memory.full else memory.pos
-        arrays = {f"memory {name}": getattr(memory, name)[:filled] for name in _MEMORY}
+        model, buffer = self.model, self.model.replay_buffer
+        filled = buffer.buffer_size if buffer.full else buffer.pos
+        arrays = {f"buffer {name}": getattr(buffer, name)[:filled] for name in _BUFFER}
         for name, tensor in self._tensors().items():
             arrays[name] = tensor.detach().numpy()
         for optimiser, name in self._optimisers():
@@ -169,29 +160,25 @@ class _Run:
         arrays["random numpy"] = keys
         arrays["random torch"] = torch.get_rng_state().numpy()
         arrays["observation"] = model._last_obs
+        curve, curve_arrays = self.curve.state()
         facts = {
             "identity": self.identity,
             "steps": model.num_timesteps,
             "updates": model._n_updates,
-            "memory_position": memory.pos,
+            "curve": curve,
+            "buffer_position": buffer.pos,
             "random_numpy": [kind, *place],
             "random_actions": model.action_space.np_random.bit_generator.state,
         }
-        save_checkpoint(folder, Checkpoint(facts, arrays, self.environment.state()))
+        save_checkpoint(folder, Checkpoint(facts, arrays | curve_arrays, self.environment.state()))
 
-    def restore(self, folder: Path) -> None:
-        """Continue from `folder` if it holds this training within its budget."""
-        found = load_checkpoint(folder)
+    def restore(self, folder: Path, most_steps: int) -> None:
+        """Continue from `folder` if it holds this training after at most `most_steps`."""
+        found = checkpoint_of(folder, self.identity, most_steps)
         if found is None:
             return
         facts, arrays = found.facts, found.arrays
-        if facts["identity"] != self.identity:
-            log.warning("the checkpoint in %s is of another training; starting anew", folder)
-            return
-        if facts["steps"] > self.steps:
-            log.info("the checkpoint in %s is past %d steps; starting anew", folder, self.steps)
-            return
-        model, memory = self.model, self.model.replay_buffer
+        model, buffer = self.model, self.model.replay_buffer
         with torch.no_grad():
             for name, tensor in self._tensors().items():
                 tensor.copy_(torch.from_numpy(arrays[name]))
@@ -204,14 +191,15 @@ class _Run:
                     states.setdefault(int(index), {})[part] = torch.from_numpy(array)
             groups = optimiser.state_dict()["param_groups"]
             optimiser.load_state_dict({"state": states, "param_groups": groups})
-        filled = len(arrays["memory rewards"])
-        for name in _MEMORY:
-            getattr(memory, name)[:filled] = arrays[f"memory {name}"]
-        memory.full = filled == memory.buffer_size
-        memory.pos = facts["memory_position"]
+        filled = len(arrays["buffer rewards"])
+        for name in _BUFFER:
+            getattr(buffer, name)[:filled] = arrays[f"buffer {name}"]
+        buffer.full = filled == buffer.buffer_size
+        buffer.pos = facts["buffer_position"]
         model.num_timesteps, model._n_updates = facts["steps"], facts["updates"]
         model._last_obs = arrays["observation"]
         model._last_episode_starts = np.zeros(self.environment.num_envs, np.bool_)
+        self.curve.restore(facts["curve"], arrays)
         self.environment.restore(found.environment)
         kind, *place = facts["random_numpy"]
         np.random.set_state((kind, arrays["random numpy"], *place))  # noqa: NPY002
@@ -220,23 +208,26 @@ class _Run:
 
     def _tensors(self) -> dict[str, Any]:
         weights = {f"weights {name}": it for name, it in self.model.policy.state_dict().items()}
-        return weights | {"log_entropy_weight": self.model.log_ent_coef}
+        return weights | {"log_alpha": self.model.log_ent_coef}
 
     def _optimisers(self) -> list[tuple[Any, str]]:
         model = self.model
         return [
             (model.actor.optimizer, "actor"),
             (model.critic.optimizer, "critic"),
-            (model.ent_coef_optimizer, "entropy"),
+            (model.ent_coef_optimizer, "alpha"),
         ]
 
 
 class LibraryEnvironment(VecEnv):  # type: ignore[misc]  # its package is not there when types are checked
-    """Our simulations as the library wants them, one control step at a time."""
+    """Our environments as the library wants them, one control step at a time."""
 
-    def __init__(self, environment: VectorEnvProtocol, seed: int) -> None:
+    def __init__(
+        self, environment: TrainingEnv, seed: int, curve: CurveRecorder | None = None
+    ) -> None:
         self._environment = environment
         self._first_seed = seed
+        self._curve = curve
         sizes = environment.observation_size, environment.action_size
         super().__init__(
             environment.num_envs,
@@ -252,22 +243,24 @@ class LibraryEnvironment(VecEnv):  # type: ignore[misc]  # its package is not th
 
     def step_wait(self) -> tuple[Any, ...]:
         transition = self._environment.step(self._actions)
+        if self._curve is not None:
+            self._curve.note_step(transition)
         ended = transition.terminated | transition.truncated
-        told: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for i in np.flatnonzero(ended).tolist():
-            told[i] = {
+            infos[i] = {
                 "terminal_observation": transition.final_observation[i].astype(np.float32),
                 # Values go on after such an end.
                 "TimeLimit.truncated": not transition.terminated[i],
             }
         observation = transition.observation.astype(np.float32)
-        return observation, transition.reward.astype(np.float32), ended, told
+        return observation, transition.reward.astype(np.float32), ended, infos
 
     def close(self) -> None:
         """Nothing is held open."""
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Return `None` for each simulation: there is nothing but what is asked for at first."""
+        """Return `None` for each environment: the library asks for the render mode alone."""
         if attr_name != "render_mode":
             raise AttributeError(attr_name)
         return [None] * self.num_envs

@@ -1,8 +1,9 @@
-"""What an evaluation asks of a trainer, and what a trainer asks of the robots it trains on."""
+"""What an evaluation asks of a trainer, and what a trainer asks of the environment it trains in."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -10,33 +11,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.transition import Transition as Transition
-from robomore.errors import InputError
 from robomore.training.policy import MLPPolicy
+from robomore.types import Curve
 
 Progress = Callable[[int], None]
-"""Called now and then with the control steps done so far."""
+"""Called now and then with the control steps done so far, over all environments."""
 
 PROGRESS_SECONDS = 0.3
-"""Time between two such calls."""
+"""Shortest time between two such calls."""
 
 
-class VectorEnvProtocol(Protocol):
-    """`n` simulations of one body under one reward, stepped together."""
+class TrainingEnv(Protocol):
+    """`num_envs` environments with the same morphology and reward, stepped together.
+
+    `robomore.envs.vector_env.VectorEnv` is the real one.
+    """
 
     num_envs: int
     observation_size: int
     action_size: int
-    discount: float
-    """What a reward one control step later is worth, as the task sees it."""
-    deterministic_env_fraction: float
-    """Share of the simulations that the task wants to act without noise once learning has begun."""
 
     def reset(self, seed: int) -> NDArray[np.float64]:
-        """Start all episodes anew; returns observations (n, observation_size)."""
+        """Start all episodes anew; returns observations (num_envs, observation_size)."""
         ...
 
     def step(self, actions: NDArray[np.floating[Any]]) -> Transition:
-        """Apply `actions` (n, action_size) in [-1, 1] for one control step.
+        """Apply `actions` (num_envs, action_size) in [-1, 1] for one control step.
 
         Raises:
             RewardFailed: the reward raised or was not a finite number.
@@ -44,8 +44,12 @@ class VectorEnvProtocol(Protocol):
         """
         ...
 
+    def reward_sums(self) -> dict[str, tuple[int, float]]:
+        """Return, for each reward term, how many finite values it had so far, and their sum."""
+        ...
+
     def state(self) -> dict[str, NDArray[Any]]:
-        """Everything needed to continue bit-exactly, as arrays."""
+        """Return everything needed to continue bit-exactly, as arrays."""
         ...
 
     def restore(self, state: dict[str, NDArray[Any]]) -> None:
@@ -53,11 +57,25 @@ class VectorEnvProtocol(Protocol):
         ...
 
 
-class Trainer(Protocol):
-    """Trains one policy on one body under one reward, in one thread.
+@dataclass(frozen=True, slots=True)
+class TrainingResult:
+    """What a training gave.
 
-    The same settings, seed and environment give the same policy to the last bit, whether trained
-    in one go or continued from a checkpoint.
+    Attributes:
+        policies: the policy at the end of training, and before it some from shortly before, oldest
+            first: whoever measures them may choose.
+        curve: how the training went; `None` if the trainer does not say.
+    """
+
+    policies: tuple[MLPPolicy, ...]
+    curve: Curve | None = None
+
+
+class Trainer(Protocol):
+    """Trains a policy for one design, in one thread.
+
+    The same settings, seed and environment give the same result to the last bit, whether trained in
+    one go or continued from a checkpoint. `robomore.testing.trainers` checks that.
     """
 
     def prepare(self, observation_size: int, action_size: int) -> None:
@@ -70,45 +88,25 @@ class Trainer(Protocol):
 
     def train(
         self,
-        environment: VectorEnvProtocol,
+        environment: TrainingEnv,
         steps: int,
         seed: int,
         checkpoint: Path | None = None,
         progress: Progress | None = None,
-    ) -> list[MLPPolicy]:
-        """Train until `steps` control steps (over all simulations) are done.
+    ) -> TrainingResult:
+        """Train until `steps` control steps (over all environments) are done.
 
         Args:
             environment: is reset with `seed` unless a checkpoint is continued.
-            steps: the budget, counted from the very first step.
+            steps: the budget, counted from the very first step. Nothing else may depend on it: a
+                longer training passes through the shorter ones.
             seed: of everything random.
-            checkpoint: folder to continue from where it holds one of at most `steps`, and to
-                leave the new one in; `None` to keep none.
-            progress: told the steps done, some times a second at most.
+            checkpoint: folder to continue from, if it holds a checkpoint of this training after at
+                most `steps`. The new checkpoint is left there. `None` keeps none.
+            progress: is told the steps done, some times a second at most.
 
-        Returns:
-            The policy at the end of training, and before it some from shortly before, oldest
-            first: whoever measures may choose.
+        Raises:
+            InputError: too few steps.
+            TrainingDiverged: a weight or a loss is no longer a finite number.
         """
         ...
-
-
-def whole_rounds(settings: Any, environment: VectorEnvProtocol, steps: int) -> int:
-    """Return how many rounds of acting and learning fit into `steps` control steps.
-
-    Args:
-        settings: of an algorithm that learns every `train_freq` control steps.
-        environment: simulations that those are spread over.
-        steps: the budget.
-
-    Raises:
-        InputError: fewer steps than one round, or a round that the simulations do not divide.
-    """
-    rounds: int = steps // settings.train_freq
-    if rounds < 1 or settings.train_freq % environment.num_envs:
-        raise InputError(
-            f"{steps} steps with {environment.num_envs} simulations: a round is "
-            f"{settings.train_freq} steps, at least one is needed, and the number of "
-            "simulations has to divide it"
-        )
-    return rounds

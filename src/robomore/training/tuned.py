@@ -1,0 +1,50 @@
+"""Tuned options: what a trainer needs to be told about a robot, as opposed to about a task.
+
+They were found by learning curves of the human designs (`benchmarks/README.md`). A robot that has
+none, one of your own for instance, is trained with the trainer's defaults.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from robomore.tasks import Task
+from robomore.types import TrainerSettings
+
+_TUNED: dict[str, dict[str, dict[str, Any]]] = {
+    "crossq": {
+        # With a lower gamma or without deterministic environments most ants settle for creeping.
+        "robomore.envs.robots.ant:AntEnvironment": {
+            "gamma": 0.995,
+            "deterministic_env_fraction": 0.5,
+        },
+        "robomore.envs.robots.half_cheetah:HalfCheetahEnvironment": {
+            "deterministic_env_fraction": 0.5,
+        },
+        # A stroke pays seconds later.
+        "robomore.envs.robots.swimmer:SwimmerEnvironment": {
+            "gamma": 0.999,
+            "deterministic_env_fraction": 0.5,
+        },
+    },
+}
+"""Options by trainer, then by the class that simulates the robot (`Task.environment`)."""
+
+
+def tuned(trainer: str, task: Task) -> dict[str, Any]:
+    """Return the options that this trainer is given for the robot of this task.
+
+    Args:
+        trainer: name of an algorithm.
+        task: any task, also one of your own. It gets a robot's options if it uses that robot's
+            environment class.
+    """
+    return dict(_TUNED.get(trainer, {}).get(task.environment, {}))
+
+
+def resolve(trainer: TrainerSettings, task: Task) -> TrainerSettings:
+    """Return `trainer` with the tuned options for this task put in; options it has already win.
+
+    A job carries the result, so that tuned options are part of an evaluation's key.
+    """
+    return TrainerSettings(trainer.name, {**tuned(trainer.name, task), **trainer.options})

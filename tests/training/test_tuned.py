@@ -1,0 +1,55 @@
+"""What each robot's trainer is given, and that what was asked for wins."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from robomore.tasks import TASKS, get_task
+from robomore.training.settings import settings_from
+from robomore.training.tuned import resolve, tuned
+from robomore.types import TrainerSettings
+
+EFFECTIVE = {
+    "ant": (0.995, 0.5),
+    "ant-powered": (0.995, 0.5),
+    "ant-desert": (0.995, 0.5),
+    "ant-jump": (0.995, 0.5),
+    "hopper": (0.99, 0.0),
+    "half-cheetah": (0.99, 0.5),
+    "swimmer": (0.999, 0.5),
+    "walker": (0.99, 0.0),
+}
+"""`gamma` and `deterministic_env_fraction` of CrossQ."""
+
+
+@pytest.mark.parametrize("task", EFFECTIVE)
+def test_each_task_is_trained_with_its_robots_options(task: str) -> None:
+    found = settings_from(resolve(TrainerSettings("crossq"), get_task(task)))
+    assert (found.gamma, found.deterministic_env_fraction) == EFFECTIVE[task]
+
+
+def test_every_task_is_covered() -> None:
+    assert set(EFFECTIVE) <= set(TASKS)
+
+
+@pytest.mark.parametrize("task", EFFECTIVE)
+@pytest.mark.parametrize("trainer", ["sac", "sb3"])
+def test_the_papers_algorithm_keeps_the_papers_settings(trainer: str, task: str) -> None:
+    asked = TrainerSettings(trainer, {"learning_rate": 1e-4})
+    assert resolve(asked, get_task(task)) == asked
+
+
+def test_explicit_options_win() -> None:
+    asked = TrainerSettings("crossq", {"gamma": 0.9, "batch_size": 64})
+    found = resolve(asked, get_task("ant"))
+    assert found.options == {"gamma": 0.9, "deterministic_env_fraction": 0.5, "batch_size": 64}
+    assert resolve(found, get_task("ant")) == found
+
+
+def test_a_task_of_ones_own_gets_the_options_of_the_robot_that_it_uses() -> None:
+    ant = get_task("ant")
+    assert tuned("crossq", replace(ant, id="ant-on-ice")) == tuned("crossq", ant)
+    assert tuned("crossq", replace(ant, environment="elsewhere:Robot")) == {}
+    assert tuned("mine", ant) == {}
