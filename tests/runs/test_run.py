@@ -198,7 +198,7 @@ def test_a_folder_that_is_no_run(tmp_path: Path) -> None:
 
 def test_an_evaluation_is_found_by_the_beginning_of_its_key(finished: Run) -> None:
     assert finished.evaluation("key001").key == "key001"
-    with pytest.raises(InputError, match="no evaluation has the key 'nothing'.*robomore export"):
+    with pytest.raises(InputError, match=r"no evaluation has the key 'nothing'.*robomore export"):
         finished.evaluation("nothing")
     with pytest.raises(InputError, match="9 evaluations begin with 'key00'"):
         finished.evaluation("key00")
@@ -227,7 +227,7 @@ def test_a_curve_is_read_when_it_is_asked_for(finished: Run) -> None:
 
 
 def test_a_policy_that_is_gone_says_what_to_do(finished: Run) -> None:
-    with pytest.raises(InputError, match="has no policy: .*same command"):
+    with pytest.raises(InputError, match=r"has no policy: .*same command"):
         finished.load_policy()
 
 
@@ -260,3 +260,14 @@ def test_a_method_that_is_not_installed_can_be_looked_at(tmp_path: Path) -> None
     run = foreign_run(tmp_path)
     assert Manifest.load(run.folder.manifest).settings.method.name == "ours"
     assert load_run(tmp_path).ratio is not None
+
+
+def test_a_task_with_other_parameters_is_refused(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    best = run.coarse()
+    fewer = replace(best.job.design.morphology, parameters=(1.0, 2.0))
+    job = replace(best.job, design=replace(best.design, morphology=fewer))
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        ledger.add_evaluation(replace(best, job=job))
+    with pytest.raises(InputError, match="other parameters of the task swimmer"):
+        load_run(tmp_path)
