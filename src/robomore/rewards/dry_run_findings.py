@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robomore.designers.offline.space import UnitSpace
+from robomore.designers.unit_space import UnitSpace
 from robomore.identity import derive_seed
 from robomore.rewards.check import Finding
 from robomore.tasks.task import Task
