@@ -24,7 +24,8 @@ from robomore.designers import LanguageModel, Replay
 from robomore.designers.llm.designer import LLMSettings
 from robomore.designers.llm.history import HistorySettings
 from robomore.errors import BudgetExhausted, InputError, ModelUnavailable, RunFolderError
-from robomore.executors import Done, Processes
+from robomore.executors import Done
+from robomore.executors.processes import Processes
 from robomore.experiment import run
 from robomore.llm import Exchange, ModelBudget, Sampling, Spending, connect
 from robomore.llm.providers import COMPATIBLE_KEY
@@ -134,10 +135,10 @@ def test_bad_answers_are_repaired_or_replaced_and_a_champion_comes_out(
         ("fine reward 1.1", 0, 0),
     ]
     found = [" ".join(one.validation_errors or ()) for one in kept]
-    for number, word in enumerate(("JSON", "", "same body", "", "", "nan", "", "", "")):
+    for number, word in enumerate(("JSON", "", "same morphology", "", "", "nan", "", "", "")):
         assert word in found[number]
     assert [bool(said) for said in found] == [True, False, True, True, False, True, *[False] * 3]
-    # Faults went back to the model, and the fine stage was told what was measured.
+    # Errors went back to the model, and the fine stage saw what was measured.
     assert "when tried out" in script.seen[6]["messages"][-1]["content"]
     assert "efficiency" in script.seen[8]["messages"][1]["content"]
     with closing(Ledger(RunFolder(folder).ledger, read_only=True)) as ledger:
@@ -230,7 +231,7 @@ def test_a_run_killed_again_and_again_pays_for_nothing_twice(drafted: Path, tmp_
     out = tmp_path / "killed"
     with serve(*CONVERSATION) as (url, script):
         command = [sys.executable, "-c", program, str(out), url, str(Path(__file__).parent)]
-        # While a reward is rehearsed, and in the fine stage.
+        # During the dry run of a reward, and in the fine stage.
         for kept in (6, 8):
             process = subprocess.Popen(command)
             _wait(lambda kept=kept: len(_so_far(out)) >= kept, process)

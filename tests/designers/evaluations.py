@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import pytest
 
-from robomore.designers.unit_space import UnitSpace
+from robomore.tasks.registry import TASKS
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace
 from robomore.types import (
     Design,
     Evaluation,
@@ -18,6 +20,14 @@ from robomore.types import (
     TermStatistics,
     TrainerSettings,
 )
+
+EACH_TASK = [
+    name
+    if name in ("swimmer", "hopper", "ant-jump")
+    else pytest.param(name, marks=pytest.mark.exhaustive)
+    for name in TASKS
+]
+"""Task ids as test parameters: one task of each kind of robot by default."""
 
 REWARD = Reward("def _get_rew(self, x_velocity, action):\n    return x_velocity, {}\n")
 

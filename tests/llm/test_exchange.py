@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted import ScriptedModel
 
-from robomore.errors import BudgetExhausted, InputError, ModelUnavailable
+from robomore.errors import BudgetExhausted, InputError, ModelUnavailable, ProposalFailed
 from robomore.llm import (
     BudgetedClient,
     Completion,
@@ -184,7 +184,7 @@ def test_a_replay_answers_the_same_and_costs_nothing() -> None:
     assert (answered.reply, answered.validation_errors) == ("to b", ("error 1",))
     assert own.spent() == Spending()
     # A replay can be replayed.
-    assert ReplayModel(own).complete(asked).text == "to b"
+    assert ReplayModel(own).complete(asked).reply == "to b"
 
 
 def test_a_replay_says_where_it_parts_from_the_recording() -> None:
@@ -197,21 +197,22 @@ def test_a_replay_says_where_it_parts_from_the_recording() -> None:
         ReplayModel(MemoryLog())
 
 
+def test_a_replay_by_slot_has_no_proposal_for_further_improvements() -> None:
+    replay = ReplayModel(recorded("a"), by="slot")
+    further = dataclasses.replace(SLOT, index=(5,), improves=True)
+    with pytest.raises(ProposalFailed, match="no answer for coarse morphology 6"):
+        replay.complete(request("a", further))
+    with pytest.raises(InputError, match="ends before coarse morphology 6"):
+        replay.complete(request("a", dataclasses.replace(further, improves=False)))
+
+
 def test_a_replay_by_slot_takes_any_prompt_and_is_checked_again() -> None:
     replay = ReplayModel(recorded("a"), by="slot")
     completion = replay.complete(request("the history has other numbers now"))
-    assert (completion.text, completion.validation_errors) == ("to a", None)
+    assert (completion.reply, completion.validation_errors) == ("to a", None)
 
 
-def test_a_replay_can_ask_a_model_for_the_rest() -> None:
-    model = ScriptedModel(["new"])
-    replay = ReplayModel(recorded("a"), otherwise=model)
-    assert replay.complete(request("a")).text == "to a"
-    assert replay.complete(request("b")).text == "new"
-    assert len(model.asked) == 1
-
-
-def test_persistence_is_bounded_and_waits_longer_each_time() -> None:
+def test_retries_are_bounded_and_wait_longer_each_time() -> None:
     waits: list[float] = []
 
     def fails() -> None:

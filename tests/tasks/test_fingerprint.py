@@ -158,7 +158,7 @@ def test_the_environment_counts_with_its_base_classes(
         "__init__": "raise ImportError('nothing is imported for a fingerprint')\n",
         "public": "from package.bases import Chain\n",
         "bases": "from gymnasium import Env\n\nclass Chain(Env):\n    links = 3\n",
-        "robot": "from . import public\n\nclass Base(public.Chain): ...\n\nclass Robot(Base): ...\n",
+        "robot": "from . import public\n\nclass Base(public.Chain): ...\nclass Robot(Base): ...\n",
         "unused": "A = 1\n",
     }
     for name, text in texts.items():

@@ -1,4 +1,4 @@
-"""What the command line says of a language model, and `robomore llm check`."""
+"""Options for a language model on the command line, and the command `robomore llm check`."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from robomore.settings import RunSettings
     from robomore.tasks import Task
 
-llm = App(name="llm", help="Ask a language model whether it can design.")
+llm = App(name="llm", help="Check whether a language model can be used.")
 
 _STRUCTURED = {
-    "schema": "keeps a JSON schema",
-    "words": "gives JSON when asked in words; a schema is refused or not kept",
+    "schema": "keeps to a JSON schema",
+    "words": "answers in JSON when asked in words; a schema is refused or ignored",
     "no": "no; expect many repairs, or choose another model",
 }
 _TRIES_OF_CHECK = 2
@@ -30,40 +30,41 @@ _TRIES_OF_CHECK = 2
 @Parameter(name="*", group=Group("Language model", sort_key=5))
 @dataclass(frozen=True, kw_only=True)
 class ModelOptions:
-    """Which language model designs, how it is used, and what it may cost.
+    """The language model that designs, how it is used, and what it may cost.
 
     Attributes
     ----------
     model
         PROVIDER:NAME (`openai:`, `anthropic:`, `google:`, `ollama:`), or NAME with `--base-url`.
     base_url
-        Of any OpenAI-compatible server, such as http://127.0.0.1:8080/v1.
+        URL of an OpenAI-compatible server, such as http://127.0.0.1:8080/v1.
     price
         IN,OUT in US dollars per million tokens, for a model without a known price.
     max_requests
-        Stop before more requests than this.
+        Stop before the run sends more requests than this.
     max_tokens
-        Stop before more tokens than this, in and out.
+        Stop before the run uses more input and output tokens than this.
     max_cost
-        Stop before a higher cost than this, in US dollars.
+        Stop before the run costs more than this, in US dollars.
     parallel
-        Requests under way at once, where they do not depend on each other.
+        Requests that may run at once if they do not depend on each other.
     diversity
         Show each new proposal all earlier ones (Diversity Reflection).
     repairs
-        How often a bad answer is sent back with its faults.
+        How often an invalid answer is sent back with its errors.
     history_tokens
-        The most that the history in a prompt may take.
+        The most tokens that the history in a prompt may take.
     history_rule
-        What of the history is taken in turn: best, worst, different, failed, recent.
+        How entries of the history are chosen, as names joined by +: best, worst, different, failed,
+        recent. Each name in turn chooses one entry.
     vision
-        Show pictures of the best body and of how it moved.
+        Show the model pictures of the best design and of its motion.
     temperature
-        Of the sampling; by default the provider's.
+        Sampling temperature; by default the provider's.
     effort
         How long a reasoning model may think: minimal, low, medium or high.
     max_output_tokens
-        Where an answer is cut off; by default the provider's.
+        Length at which an answer is cut off; by default the provider's.
     """
 
     model: str = ""
@@ -86,14 +87,14 @@ class ModelOptions:
 @Parameter(name="*", group=Group("Replay", sort_key=6))
 @dataclass(frozen=True, kw_only=True)
 class ReplayOptions:
-    """Which recorded exchanges design.
+    """The recorded exchanges that a replay uses.
 
     Attributes
     ----------
     source
         Folder of the recorded run.
     by
-        `content` answers the very prompts of that run, `slot` whatever is asked in the same place.
+        `content` answers exactly the prompts of that run, `slot` any prompt for the same slot.
     """
 
     source: Annotated[Path | None, Parameter("--from")] = None
@@ -103,7 +104,7 @@ class ReplayOptions:
 def chosen(
     designer: str | None, model: ModelOptions | None, replay: ReplayOptions | None
 ) -> str | LanguageModel | Replay | None:
-    """Return what is to design; `None` stands for options of which none was given.
+    """Return the designer that was chosen. `None` stands for options that were not given.
 
     Raises:
         InputError: an option is missing, makes no sense or belongs to another designer.
@@ -130,7 +131,7 @@ def chosen(
 
 
 def language_model(options: ModelOptions) -> LanguageModel:
-    """Return the model that the options describe, connected; nothing is sent yet.
+    """Return the model that the options describe. Nothing is sent yet.
 
     Raises:
         InputError: an option is missing or makes no sense.
@@ -165,7 +166,7 @@ def language_model(options: ModelOptions) -> LanguageModel:
 
 
 def forecast(task: Task, model: LanguageModel, settings: RunSettings) -> str:
-    """Return one line on what a whole run will ask of a model."""
+    """Return one line on what a whole run asks of a model at most."""
     from robomore.designers.llm.estimate import estimate
     from robomore.search import SearchContext, make_method
     from robomore.types import Design, Morphology, Reward
@@ -183,7 +184,7 @@ def forecast(task: Task, model: LanguageModel, settings: RunSettings) -> str:
 
 @llm.command
 def check(*, model: ModelOptions | None = None) -> None:
-    """Send two small requests: does the model answer, and can it keep to a form?"""
+    """Send two small requests: does the model answer, and does it keep to a form?"""
     from robomore.llm import check as ask
     from robomore.llm import connect
     from robomore.llm.retry import RetryPolicy

@@ -1,4 +1,4 @@
-"""`robomore prompt`: what a language model is told, without asking one."""
+"""`robomore prompt`: prints the prompts for a language model, without one."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ def prompt(
     kind
         What is asked for.
     source
-        Folder of a run: its proposals are the earlier ones, its best design is to be improved.
+        Folder of a run, whose proposals are the earlier ones and whose best design is improved.
     objective
-        What the search compares; by default what the run does, or `efficiency`.
+        What the search compares; by default that of the run, or `efficiency`.
     history_tokens
-        The most that the history may take; by default what the run says, or 8000.
+        The most tokens that the history may take; by default those of the run, or 8000.
     history_rule
-        What of the history is taken in turn; by default what the run says.
+        How entries of the history are chosen; by default as in the run.
     as_json
         Print JSON: the messages, and the schema that a provider may enforce.
     """
@@ -78,8 +78,8 @@ def prompt(
         messages = [role, replace(question, text=f"{question.text}\n\n{render('pictures')}")]
     schema = morphology_schema(chosen) if kind.endswith("morphology") else None
     if as_json:
-        told = [{"role": message.role, "text": message.text} for message in messages]
-        write_json({"messages": told, "schema": schema})
+        sent = [{"role": message.role, "text": message.text} for message in messages]
+        write_json({"messages": sent, "schema": schema})
         return
     for message in messages:
         sys.stdout.write(f"--- {message.role} ---\n{message.text}\n")
@@ -89,7 +89,7 @@ def prompt(
 
 @dataclass(frozen=True)
 class _Seen:
-    """What a run has to show."""
+    """What the prompts need of a run."""
 
     objective: Literal["efficiency", "fitness"] = "efficiency"
     morphologies: list[Morphology] = field(default_factory=list)
@@ -101,7 +101,7 @@ class _Seen:
 
 
 def _seen(task: Task, path: Path) -> _Seen:
-    """Read a run as the next proposal of its best branch would see it.
+    """Return what the next proposal would be shown of a run.
 
     Raises:
         InputError: it is no run of this task.
@@ -121,8 +121,8 @@ def _seen(task: Task, path: Path) -> _Seen:
         (r.place.index[:1] for r in searched if r.place in refined and r.evaluation == best),
         refined[0].index[:1] if refined else (),
     )
-    told = run.manifest.designer_settings
-    first = [p for p in run.proposals if not p.slot.improves and told.get("diversity", True)]
+    settings = run.manifest.designer_settings
+    first = [p for p in run.proposals if not p.slot.improves and settings.get("diversity", True)]
     first.sort(key=lambda proposal: proposal.slot.index)
     return _Seen(
         run.objective,
@@ -134,6 +134,6 @@ def _seen(task: Task, path: Path) -> _Seen:
             for record in searched
             if not record.place.parent or record.place.index[:1] == branch
         ],
-        told.get("history", {}),
-        bool(told.get("vision")),
+        settings.get("history", {}),
+        bool(settings.get("vision")),
     )

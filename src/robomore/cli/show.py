@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import msgspec
 from cyclopts import Parameter
-from rich.table import Table
 
 from robomore.cli.output import console, write_json
+from robomore.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from robomore.runs import Run, Spread, TrainedDesign
+    from robomore.runs import Run, Spread
 
 
 def show(
@@ -27,61 +25,67 @@ def show(
     reference: Annotated[bool, Parameter(negative="")] = False,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> None:
-    """Show a run: its champion beside the reference design, and the way there.
+    """Show a run: its champion, the reference design, which half made the difference, and the cost.
 
     Parameters
     ----------
     run
         A run's folder. The run may still go on.
     evaluation
-        Show one evaluation instead: its key, or as many of the key's first characters as no other
-        key begins with.
+        Key of one of the run's evaluations, or its beginning, instead of the champion.
     reference
-        Show the reference design of the final instead.
+        Show the reference design of the run's final instead of the champion.
     as_json
-        Print JSON: everything with every digit, for each seed.
+        Print JSON: everything with every digit, each training seed too.
     """
-    from robomore.cli.selection import selected
     from robomore.report import as_data
-    from robomore.runs import load_run
 
-    found = load_run(run)
-    if evaluation is not None or reference:
-        _show_design(found, selected(found, evaluation, reference), as_json)
-    elif as_json:
-        write_json(as_data(found))
-    else:
-        screen = console()
-        _print_head(screen, found)
-        _print_designs(screen, found)
-        _print_pairs(screen, found)
-        _print_lineage(screen, found)
-        if found.champion is not None:
-            _print_reward(screen, found.champion)
-        _print_warnings(screen, found)
+    chosen = _chosen(run, evaluation, reference)
+    if as_json:
+        write_json(as_data(chosen))
+        return
+    screen = console()
+    _print_head(screen, chosen)
+    _print_designs(screen, chosen)
+    _print_pairs(screen, chosen)
+    _print_lineage(screen, chosen)
+    _print_reward(screen, chosen)
+    _print_warnings(screen, chosen)
 
 
-def report(run: Path, /, *, out: Path | None = None) -> None:
+def report(
+    run: Path,
+    /,
+    *,
+    evaluation: str | None = None,
+    reference: Annotated[bool, Parameter(negative="")] = False,
+    out: Path | None = None,
+) -> None:
     """Write a run's report as one HTML file that needs nothing else.
 
     Parameters
     ----------
     run
         A run's folder. The run may still go on.
+    evaluation
+        Key of one of the run's evaluations, or its beginning, instead of the champion.
+    reference
+        Write about the reference design of the run's final instead of the champion.
     out
-        The file; by default `report.html` in the folder.
+        The file; by default `report.html` in the folder, or `report-KEY.html`.
     """
     from robomore.report import write_report
 
-    sys.stdout.write(f"{write_report(run, out)}\n")
+    sys.stdout.write(f"{write_report(_chosen(run, evaluation, reference), out)}\n")
 
 
 def print_outcome(run: Run) -> None:
-    """Print what a run ended with, where the report is, and what to look at next."""
+    """Print what a run ended with, where the report is, and how to go on."""
     screen = console()
     screen.print()
     _print_head(screen, run)
     _print_designs(screen, run)
+    _print_pairs(screen, run)
     _print_warnings(screen, run)
     sys.stdout.write(
         f"\nreport:   {run.folder / 'report.html'}\n"
@@ -90,62 +94,86 @@ def print_outcome(run: Run) -> None:
     )
 
 
-def _show_design(run: Run, shown: TrainedDesign, as_json: bool) -> None:
-    """Show one design of a run and what was measured of it."""
-    if as_json:
-        write_json([msgspec.to_builtins(evaluation) for evaluation in shown.evaluations])
-        return
-    screen = console()
-    keys = {evaluation.key for evaluation in shown.evaluations}
-    for record in run.records:
-        if record.evaluation.key in keys:
-            place = run.plan.describe(record.place)
-            screen.print(f"{place}  ({record.evaluation.key})", markup=False)
-    for evaluation in shown.evaluations:
-        if not evaluation.ok:
-            screen.print(f"{evaluation.status}: {evaluation.diagnosis}", markup=False)
-    screen.print(_table(run, [shown]))
-    _print_reward(screen, shown)
+def _chosen(path: Path, evaluation: str | None, reference: bool) -> Run:
+    """Return the run with what was asked for in the champion's place.
+
+    Raises:
+        InputError: both were asked for, or there is no such evaluation.
+    """
+    from robomore.runs import load_run
+
+    run = load_run(path)
+    if evaluation and reference:
+        raise InputError("give --evaluation or --reference, not both")
+    if evaluation:
+        return run.focused(evaluation)
+    if reference:
+        if run.reference is None:
+            raise InputError(f"{path} has no final yet, so no reference design; run it on")
+        return run.focused(run.reference.best(run.objective).key)
+    return run
 
 
 def _print_head(screen: Console, run: Run) -> None:
-    from robomore.runs.pairs import LABELS
-    from robomore.runs.words import unit_of, with_interval
+    from robomore.runs.words import number, unit_of, with_interval
 
     manifest = run.manifest
-    designer = f"designer {manifest.designer}" if manifest.designer else "no designer"
+    designer = f", designer {manifest.designer}" if manifest.designer else ""
     screen.print(
-        f"{run.task.title}: {manifest.preset}, method {manifest.settings.method.name}, "
-        f"{designer}, seed {manifest.seed}, {'finished' if run.final else 'not finished'}",
+        f"{run.task.title}: preset {manifest.preset}, method {manifest.settings.method.name}"
+        f"{designer}, seed {manifest.seed}, {'finished' if run.found else 'not finished'}",
         style="bold",
         markup=False,
     )
     screen.print(manifest.provenance, markup=False)
-    score = run.champion.score(run.objective) if run.champion else None
-    if run.champion is None or score is None:
-        screen.print("Nothing has been trained yet.\n")
-        return
-    said = with_interval(score, unit_of(run.objective))
-    if run.headline is not None:
-        said = with_interval(run.headline, f"times the reference design's {run.objective}", 3)
-    good = run.headline is not None and run.headline.mean > 1
-    screen.print(f"{run.champion.name}: {said}", style="bold green" if good else "bold")
-    if run.champion_role:
-        screen.print(f"The champion is the {LABELS[run.champion_role]}.")
+    champion = run.champion
+    score = champion.score(run.objective) if champion else None
+    if champion is None:
+        screen.print("nothing has been trained yet")
+    elif score is None:
+        first = champion.evaluations[0]
+        screen.print(f"{champion.name}: {first.status}. {first.diagnosis}", markup=False)
+    elif run.headline is None:
+        said = f"{champion.name}: {number(score.mean)} {unit_of(run.objective)}"
+        screen.print(said, markup=False)
+    else:
+        ratio = with_interval(run.headline, digits=3)
+        screen.print(
+            f"champion over reference, {run.objective}: {ratio}",
+            style="bold green" if run.headline.mean > 1 else "bold",
+        )
+    if run.pairs and run.pairs.champion:
+        screen.print(f"The champion is {run.pairs.champion}.", markup=False)
     screen.print()
 
 
 def _print_designs(screen: Console, run: Run) -> None:
-    from robomore.runs.words import duration
+    from rich.table import Table
 
-    if shown := [one for one in (run.champion, run.reference) if one]:
-        screen.print(_table(run, shown))
+    from robomore.runs.words import duration, number
+
+    shown = [one for one in (run.champion, run.reference) if one]
+    table = Table(box=None, pad_edge=False)
+    table.add_column("")
+    for one in shown:
+        table.add_column(one.name, justify="right")
+    table.add_row("efficiency m/m³", *(_cell(one.efficiency) for one in shown))
+    table.add_row("fitness m", *(_cell(one.fitness) for one in shown))
+    table.add_row("volume m³", *(number(one.volume) for one in shown))
+    table.add_row("mass / volume kg/m³", *(number(one.body.get("density")) for one in shown))
+    table.add_row("training seeds", *(str(len(one.evaluations)) for one in shown))
+    for parameter in run.task.parameters:
+        values = (number(one.parameters[parameter.name]) for one in shown)
+        table.add_row(f"{parameter.name} {parameter.unit}", *values)
+    if shown:
+        screen.print(table)
     counts = ", ".join(f"{count} {status}" for status, count in run.counts.items())
-    cost, spending = run.cost, run.spending
+    cost = run.cost
     screen.print(
         f"\n{cost.evaluations} evaluations ({counts or 'none yet'}): {cost.steps:,} control steps, "
         f"{duration(cost.core_seconds)} of one core"
     )
+    spending = run.spending
     if spending.requests:
         dollars = "of unknown price" if spending.unpriced else f"${spending.cost:.2f}"
         screen.print(
@@ -153,63 +181,46 @@ def _print_designs(screen: Console, run: Run) -> None:
         )
 
 
-def _table(run: Run, shown: Sequence[TrainedDesign]) -> Table:
-    """Return designs side by side: what was measured, then their parameters."""
-    from robomore.runs.words import LABELS, number
-
-    table = Table(box=None, pad_edge=False)
-    table.add_column("")
-    for one in shown:
-        table.add_column(one.name, justify="right")
-    table.add_row(LABELS["efficiency"], *(_cell(one.efficiency) for one in shown))
-    table.add_row(LABELS["fitness"], *(_cell(one.fitness) for one in shown))
-    table.add_row(LABELS["volume"], *(number(one.volume) for one in shown))
-    table.add_row(LABELS["density"], *(number(one.body.get("density")) for one in shown))
-    for parameter in run.task.parameters:
-        values = (number(one.parameters[parameter.name]) for one in shown)
-        table.add_row(f"{parameter.name} ({parameter.unit})", *values)
-    return table
-
-
 def _print_pairs(screen: Console, run: Run) -> None:
-    """Print which half of the champion made the difference."""
-    from robomore.runs.words import LABELS
+    from rich.table import Table
+
+    from robomore.runs.words import unit_of
 
     if run.pairs is None:
         return
     table = Table(box=None, pad_edge=False)
-    table.add_column(LABELS[run.objective])
+    table.add_column(f"final: {run.objective} {unit_of(run.objective)}")
     for reward in run.pairs.rewards:
         table.add_column(reward, justify="right")
-    for morphology, cells in zip(run.pairs.morphologies, run.pairs.cells, strict=True):
-        table.add_row(morphology, *(_cell(one.score(run.objective)) for one in cells))
+    for morphology, row in zip(run.pairs.morphologies, run.pairs.cells, strict=True):
+        table.add_row(morphology, *(_cell(one.score(run.objective)) for one in row))
     screen.print()
     screen.print(table)
-    if not run.pairs.doubt:  # Else it stands among the warnings.
-        screen.print(run.pairs.verdict, markup=False)
+    screen.print(run.pairs.verdict, markup=False)
 
 
 def _print_lineage(screen: Console, run: Run) -> None:
-    from robomore.runs.words import LABELS, number
+    from rich.table import Table
+
+    from robomore.runs.words import number
 
     table = Table(box=None, pad_edge=False)
     table.add_column("how the search got there")
-    for name in ("efficiency", "fitness", "volume"):
-        table.add_column(LABELS[name], justify="right")
+    for heading in ("efficiency m/m³", "fitness m", "volume m³"):
+        table.add_column(heading, justify="right")
     for record in run.lineage:
-        evaluation = record.evaluation
-        table.add_row(
-            run.plan.describe(record.place),
-            *(number(value) for value in (evaluation.efficiency, evaluation.fitness)),
-            number(evaluation.volume),
-        )
+        one = record.evaluation
+        numbers = (number(value) for value in (one.efficiency, one.fitness, one.volume))
+        table.add_row(run.plan.describe(record.place), *numbers)
     if table.row_count:
         screen.print()
         screen.print(table)
 
 
-def _print_reward(screen: Console, shown: TrainedDesign) -> None:
-    reward = shown.design.reward
+def _print_reward(screen: Console, run: Run) -> None:
+    if run.champion is None:
+        return
+    reward = run.champion.design.reward
     screen.print(f"\nreward: {reward.idea}".rstrip(": "), markup=False)
     screen.print(reward.source.rstrip(), markup=False)
 
@@ -218,10 +229,19 @@ def _print_warnings(screen: Console, run: Run) -> None:
     if run.warnings:
         screen.print("\nkeep in mind")
     for warning in run.warnings:
-        screen.print(f"- {warning}", style="yellow", markup=False)
+        if run.pairs is None or warning != run.pairs.verdict:
+            screen.print(f"- {warning}", style="yellow", markup=False)
 
 
 def _cell(measured: Spread | None) -> str:
-    from robomore.runs.words import with_interval
+    """Return a mean with its interval, or with its values where they are too few for one."""
+    from robomore.runs.words import number
 
-    return "-" if measured is None else with_interval(measured)
+    if measured is None:
+        return "-"
+    if measured.interval:
+        low, high = (number(end, 3) for end in measured.interval)
+        return f"{number(measured.mean)} [{low}, {high}]"
+    if len(measured.values) == 1:
+        return number(measured.mean)
+    return f"{number(measured.mean)} ({', '.join(number(value, 3) for value in measured.values)})"

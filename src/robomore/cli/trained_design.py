@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robomore.cli.inputs import read_parameters, read_text
-from robomore.cli.selection import selected
 from robomore.errors import InputError
 from robomore.rendering.recording import Recording, record
 from robomore.runs import Run, TrainedDesign, load_run
@@ -86,10 +85,21 @@ def find_policies(
 def _from_run(
     run: Run, evaluation: str | None, reference: bool, beside: bool
 ) -> list[TrainedPolicy]:
-    designs = [selected(run, evaluation, reference)]
-    if beside and not reference:
-        designs.append(selected(run, reference=True))
-    return [_of_run(run, _best_seed(run, design), design.name) for design in designs]
+    if evaluation and reference:
+        raise InputError("give --evaluation or --reference, not both")
+    if (reference or beside) and run.reference is None:
+        raise InputError(f"{run.folder} has no final yet, so no reference design; run it on")
+    found = []
+    if evaluation:
+        found.append(_of_run(run, run.evaluation(evaluation).key, evaluation))
+    elif not reference:
+        if run.champion is None:
+            raise InputError(f"{run.folder} has nothing trained yet; wait, or run it on")
+        found.append(_of_run(run, _best_seed(run, run.champion), run.champion.name))
+    if reference or beside:
+        assert run.reference is not None
+        found.append(_of_run(run, _best_seed(run, run.reference), run.reference.name))
+    return found
 
 
 def _best_seed(run: Run, design: TrainedDesign) -> str:

@@ -6,7 +6,7 @@ import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 
 from robomore.errors import BudgetExhausted, InputError
@@ -86,23 +86,16 @@ class BudgetedClient:
             return kept
         with self._reserved(request) as pending:
             completion = self._model.complete(request, partial(self._send, pending))
+            # JSON can hold a lone surrogate, which UTF-8 cannot encode.
+            reply = completion.reply.encode("utf-8", "replace").decode("utf-8")
             exchange = Exchange(
+                **asdict(replace(completion, reply=reply)),
                 key=key,
                 slot=request.slot,
                 repair=request.repair,
                 model=self._model.name,
                 messages=request.messages,
                 sampling=request.sampling,
-                # JSON can hold a lone surrogate, which UTF-8 cannot encode.
-                reply=completion.text.encode("utf-8", "replace").decode("utf-8"),
-                truncated=completion.truncated,
-                input_tokens=completion.input_tokens,
-                output_tokens=completion.output_tokens,
-                cost=completion.cost,
-                seconds=completion.seconds,
-                tries=completion.tries,
-                structured=completion.structured,
-                validation_errors=completion.validation_errors,
             )
             # The exchange is logged before anything else can fail, so nobody pays for it again.
             with self._lock:

@@ -165,7 +165,7 @@ class PydanticAIModel:
             except (LookupError, ValueError):
                 _log.debug("no exact price for this answer of %s", self.name)
         return Completion(
-            text=text,
+            reply=text,
             truncated=response.finish_reason == "length",
             input_tokens=input_tokens,
             output_tokens=output_tokens,

@@ -9,23 +9,18 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from robomore.identity import content_key
-from robomore.llm.model import Message, Request, Sampling
+from robomore.llm.model import Completion, Message, Request, Sampling
 from robomore.types import Slot
 
 
-@dataclass(frozen=True, slots=True)
-class Exchange:
-    """One request that was answered, as the ledger keeps it.
-
-    The slot, the repair, the messages and the sampling are those of the `Request`. The numbers from
-    `truncated` to `structured` are those of the `Completion`.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exchange(Completion):
+    """A completion with what was asked, as the ledger keeps it.
 
     Attributes:
         key: content key of the slot, repair, model, sampling and messages.
+        slot: slot of the `Request`; so are `repair`, `messages` and `sampling`.
         model: name of the model.
-        reply: the answer as it came.
-        validation_errors: errors in the reply. They are empty for an accepted reply, and `None`
-            until the reply is checked.
     """
 
     key: str
@@ -34,15 +29,6 @@ class Exchange:
     model: str
     messages: tuple[Message, ...]
     sampling: Sampling
-    reply: str
-    truncated: bool = False
-    input_tokens: int = 0
-    output_tokens: int = 0
-    cost: float | None = None
-    seconds: float = 0.0
-    tries: int = 1
-    structured: bool = False
-    validation_errors: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,7 +66,7 @@ class Completion:
     """The answer of a model, and what it took.
 
     Attributes:
-        text: the answer. It is empty if the model had nothing to say.
+        reply: text of the answer. It is empty if the model had nothing to say.
         truncated: whether the provider cut the answer off at its length limit.
         input_tokens: as the provider counted them, or an estimate if it does not count.
         output_tokens: likewise, tokens of thinking included.
@@ -74,11 +74,11 @@ class Completion:
         seconds: time from the first try to the answer.
         tries: requests that were sent until one succeeded, 0 for a recorded answer.
         structured: whether the provider enforced the schema.
-        validation_errors: errors of a recorded answer, as the recording has them; `None` for a new
-            answer, which still has to be checked.
+        validation_errors: errors in the reply. They are empty for an accepted reply, and `None`
+            until the reply is checked. A recorded answer comes with its recorded errors.
     """
 
-    text: str
+    reply: str
     truncated: bool = False
     input_tokens: int = 0
     output_tokens: int = 0

@@ -7,7 +7,7 @@ from typing import Literal
 
 from robomore.errors import InputError, ProposalFailed
 from robomore.llm.exchange import Exchange, ExchangeLog, exchange_key
-from robomore.llm.model import ChatModel, Completion, Request, do_nothing
+from robomore.llm.model import Completion, Request, do_nothing
 from robomore.types import Slot
 
 
@@ -22,18 +22,12 @@ class ReplayModel:
     improvements than the recording holds. It gets no proposal for those slots and goes on.
     """
 
-    def __init__(
-        self,
-        log: ExchangeLog,
-        by: Literal["content", "slot"] = "content",
-        otherwise: ChatModel | None = None,
-    ) -> None:
+    def __init__(self, log: ExchangeLog, by: Literal["content", "slot"] = "content") -> None:
         """Make a model of a recorded run.
 
         Args:
             log: the exchanges of the recorded run.
             by: whether an exchange is found by the content of the request or by its slot.
-            otherwise: model that answers what the recording does not hold, or `None`.
 
         Raises:
             InputError: the recording has no exchanges, or by content those of several models.
@@ -47,10 +41,8 @@ class ReplayModel:
                 f"the recorded run holds exchanges with several models ({', '.join(names)}); "
                 "they can be replayed by slot only"
             )
-        self.name = otherwise.name if otherwise else names[0]
-        self._recorded_name = names[0]
+        self.name = names[0]
         self._by = by
-        self._otherwise = otherwise
         self._by_key = {exchange.key: exchange for exchange in exchanges}
         self._by_slot: dict[tuple[Slot, int], Exchange] = {
             (exchange.slot, exchange.repair): exchange for exchange in exchanges
@@ -59,14 +51,14 @@ class ReplayModel:
     def complete(
         self, request: Request, before_send: Callable[[], None] = do_nothing
     ) -> Completion:
-        """Return the recorded answer, or that of the other model if the recording has none.
+        """Return the recorded answer.
 
         Raises:
-            InputError: the recording has no such exchange, and there is no other model.
+            InputError: the recording has no such exchange.
             ProposalFailed: likewise, for an improvement in a replay by slot.
         """
         if self._by == "content":
-            found = self._by_key.get(exchange_key(self._recorded_name, request))
+            found = self._by_key.get(exchange_key(self.name, request))
         else:
             found = self._by_slot.get((request.slot, request.repair))
         if found is not None:
@@ -81,15 +73,13 @@ class ReplayModel:
                 structured=found.structured,
                 validation_errors=validation_errors,
             )
-        if self._otherwise is not None:
-            return self._otherwise.complete(request, before_send)
         if self._by == "slot" and request.slot.improves:
             raise ProposalFailed(f"the recording has no answer for {request.slot}")
         raise InputError(self._missing(request))
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
-        """Return the price of the other model, or 0: recorded answers are free."""
-        return self._otherwise.cost(input_tokens, output_tokens) if self._otherwise else 0.0
+        """Return 0, because recorded answers are free."""
+        return 0.0
 
     def _missing(self, request: Request) -> str:
         slot = request.slot

@@ -54,7 +54,7 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
     costs = (plain.cost, formed.cost)
     return Check(
         model=model.name,
-        reply=" ".join(plain.text.split())[:80],
+        reply=" ".join(plain.reply.split())[:80],
         structured=_structure(formed),
         seconds=plain.seconds + formed.seconds,
         tokens=sum(c.input_tokens + c.output_tokens for c in (plain, formed)),
@@ -68,7 +68,7 @@ def _request(text: str, index: int, sampling: Sampling, schema: bool) -> Request
 
 
 def _structure(completion: Completion) -> Literal["schema", "words", "no"]:
-    text = completion.text
+    text = completion.reply
     try:
         # Without a schema, a model may put fences around its JSON. The parsers accept that.
         found = json.loads(text if completion.structured else text[text.find("{") :].strip("` \n"))

@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robomore.designers.unit_space import UnitSpace
 from robomore.identity import derive_seed
 from robomore.rewards.check import Finding
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace
 
 SLOW, TOO_SLOW = 1e-3, 10e-3
 """Processor seconds of one call. A usual reward takes some 20 microseconds, and training on half a

@@ -63,16 +63,15 @@ def dataframe(found: Sequence[Row]) -> Any:
 
 def csv_text(found: Sequence[Row]) -> str:
     """Return rows as CSV, with a line of names first."""
-    names = list(dict.fromkeys(name for row in found for name in row))
-    text = io.StringIO(newline="")
-    writer = csv.DictWriter(text, names)
+    file = io.StringIO(newline="")
+    writer = csv.DictWriter(file, list(dict.fromkeys(name for row in found for name in row)))
     writer.writeheader()
     writer.writerows(_plain(row) for row in found)
-    return text.getvalue()
+    return file.getvalue()
 
 
 def write_csv(found: Sequence[Row], path: Path) -> None:
-    """Write rows as CSV in UTF-8, with a line of names first.
+    """Write rows as CSV in UTF-8.
 
     Raises:
         InputError: the file cannot be written.

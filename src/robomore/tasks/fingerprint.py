@@ -1,8 +1,8 @@
 """What a task consists of, as digests: an edited task is another task.
 
 Functions of a task are covered twice: by their text and what it refers to, and by their results at
-the reference and at fixed random parameters around it. The same task gives the same digests in every
-process and on every machine. Nothing is imported for it, least of all a simulator.
+the reference and at fixed random parameters around it. The same task gives the same digests in
+every process and on every machine. Nothing is imported for it, least of all a simulator.
 """
 
 from __future__ import annotations

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import evaluations
-
+from designers import evaluations
 from robomore.tasks import Task, get_task
 from robomore.types import Evaluation, Morphology, Reward, Status, TermStatistics
 

@@ -11,10 +11,10 @@ from threading import Barrier, Lock
 from time import sleep
 
 import pytest
-from loopback import serve
 from measured import SWIMMER, body, evaluation, grid, reward
-from scripted import DyingLog, Killed, ScriptedModel
 
+from llm.loopback import serve
+from llm.scripted import DyingLog, Killed, ScriptedModel
 from robomore.designers.designer import Designer
 from robomore.designers.llm.designer import LLMDesigner, LLMSettings
 from robomore.designers.llm.history import HistorySettings
@@ -241,24 +241,32 @@ def clumsy(asked: Request) -> str:
     return said(number / 20) if asked.slot.kind == "morphology" else coded(number)
 
 
-def test_a_run_killed_anywhere_loses_nothing_and_pays_nothing_twice() -> None:
-    model, log = ScriptedModel(clumsy), MemoryLog()
-    expected = whole_run(designer(model, log))
-    exchanges = len(model.asked)
-    assert exchanges == 12
-    for call in ("add", "set_errors"):
-        for number in range(1, exchanges + 1):
-            for after in (False, True):
-                model = ScriptedModel(clumsy)
-                dying = DyingLog([], call, number, after)
-                with pytest.raises(Killed):
-                    whole_run(designer(model, dying))
-                resumed = MemoryLog(dying.all())
-                assert whole_run(designer(model, resumed)) == expected
-                # Only an answer that was never written down is asked for again.
-                lost = call == "add" and not after
-                assert len(model.asked) == exchanges + lost
-                assert resumed.all() == log.all()
+EXCHANGES = 12
+"""Exchanges of `whole_run` with `clumsy`."""
+
+
+@pytest.mark.parametrize("call", ["add", "set_errors"])
+@pytest.mark.parametrize(
+    "number",
+    [
+        n if n in (1, 6, EXCHANGES) else pytest.param(n, marks=pytest.mark.exhaustive)
+        for n in range(1, EXCHANGES + 1)
+    ],
+)
+def test_a_run_killed_anywhere_loses_nothing_and_pays_nothing_twice(number: int, call: str) -> None:
+    log = MemoryLog()
+    expected = whole_run(designer(ScriptedModel(clumsy), log))
+    for after in (False, True):
+        model = ScriptedModel(clumsy)
+        dying = DyingLog([], call, number, after)
+        with pytest.raises(Killed):
+            whole_run(designer(model, dying))
+        resumed = MemoryLog(dying.all())
+        assert whole_run(designer(model, resumed)) == expected
+        # Only an answer that was never logged is asked for again.
+        lost = call == "add" and not after
+        assert len(model.asked) == EXCHANGES + lost
+        assert resumed.all() == log.all()
 
 
 def test_a_budget_stops_a_run_and_more_of_it_finishes_it() -> None:
@@ -373,7 +381,7 @@ def test_side_by_side_a_spent_budget_costs_nothing_but_the_wait() -> None:
         return thread_map(3)([partial(made.improve_reward, slot, best, [best]) for slot in slots])
 
     expected, log = ask(MemoryLog(), None), MemoryLog()
-    for limit in range(1, 12):
+    for limit in (1, 4, 7, 11):
         with pytest.raises(BudgetExhausted):
             ask(log, limit)
         assert log.spent().requests == limit

@@ -7,12 +7,13 @@ from functools import cache
 import numpy as np
 import pytest
 
+from designers.evaluations import EACH_TASK
 from robomore.designers.offline.designer import OfflineDesigner
-from robomore.designers.unit_space import UnitSpace, distances
 from robomore.errors import ProposalFailed
 from robomore.search.random import drawn
 from robomore.tasks.registry import TASKS
 from robomore.tasks.task import Rule
+from robomore.tasks.unit_space import UnitSpace, distances
 from robomore.types import Morphology, Slot
 
 COUNT = 25
@@ -46,7 +47,7 @@ def variation(bodies: np.ndarray) -> float:
     return float(np.mean(bodies.std(axis=0)[mean > 0] / mean[mean > 0]))
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", EACH_TASK)
 def test_bodies_are_valid_light_and_described(task: str) -> None:
     known = TASKS[task]
     bodies = proposals(task)
@@ -59,7 +60,7 @@ def test_bodies_are_valid_light_and_described(task: str) -> None:
     assert min(volumes[:5]) < known.volume(known.reference) / 5
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", EACH_TASK)
 def test_bodies_are_farther_apart_than_random_ones(task: str) -> None:
     space = UnitSpace(TASKS[task])
     ours = np.array([body.parameters for body in proposals(task)])

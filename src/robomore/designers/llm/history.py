@@ -14,10 +14,10 @@ from robomore.designers.llm.formatting import (
     reward_lines,
     summary_lines,
 )
-from robomore.designers.unit_space import UnitSpace
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Design, Evaluation, Morphology, Reward
 
 RULES = {

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from robomore.designers.offline.plausibility_prior import PlausibilityPrior
 from robomore.designers.offline.reward_effects import by_morphology, reward_effects
 from robomore.designers.offline.surrogate import GaussianProcess, expected_improvement
-from robomore.designers.unit_space import UnitSpace, distances
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace, distances
 from robomore.types import Evaluation, Morphology, Slot, Status
 
 Array = NDArray[np.float64]

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.designers.offline.plausibility_prior import PlausibilityPrior
-from robomore.designers.unit_space import UnitSpace, distances
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
 from robomore.tasks.geometry import Capsule
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace, distances
 from robomore.types import Morphology, Slot
 
 Array = NDArray[np.float64]

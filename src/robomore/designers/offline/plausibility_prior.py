@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from robomore.designers.offline.batched_kinematics import BatchedKinematics
 from robomore.designers.offline.rest_pose import RestPose
-from robomore.designers.unit_space import UnitSpace
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace
 
 log = logging.getLogger(__name__)
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.special import ndtr
 
-from robomore.designers.unit_space import distances
+from robomore.tasks.unit_space import distances
 
 Array = NDArray[np.float64]
 

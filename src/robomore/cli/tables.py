@@ -1,4 +1,4 @@
-"""`robomore compare` and `robomore export`: runs as tables, for people and for other programs."""
+"""`robomore compare` and `robomore export`: runs as tables."""
 
 from __future__ import annotations
 
@@ -15,71 +15,75 @@ if TYPE_CHECKING:
     from robomore.runs import Run
     from robomore.runs.table import Row
 
-_STDOUT = Path("-")
-
 
 def compare(
     *runs: Path,
-    csv: Path | None = None,
+    csv: Annotated[Path | None, Parameter(allow_leading_hyphen=True)] = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> None:
-    """Show several runs side by side: one row for each run.
+    """Put runs side by side: what each found, over its own reference, and what it cost.
 
     Parameters
     ----------
     runs
         Folders of runs. A run may still go on.
     csv
-        Write the table into this file as CSV, or to standard output with `-`.
+        Write the table as CSV into this file; `-` for the terminal.
     as_json
-        Print the table as JSON.
+        Print the table as JSON: one object for each run.
     """
     from robomore.runs import compare as side_by_side
 
     if not runs:
-        raise InputError("which runs? name the folders of one or more runs")
-    found = side_by_side(runs)
+        raise InputError("which runs? name their folders: robomore compare RUN RUN")
+    comparison = side_by_side(runs)
     if as_json:
-        write_json(found.rows())
+        write_json(comparison.rows())
     elif csv is not None:
-        _write_csv(found.rows(), csv)
+        _write_csv(comparison.rows(), csv)
     else:
-        _print(found.runs)
+        _print(comparison.runs)
 
 
-def export(run: Path, /, *, csv: Path | None = None, parquet: Path | None = None) -> None:
-    """Write all evaluations of a run as a table: one row for each evaluation.
+def export(
+    run: Path,
+    /,
+    *,
+    csv: Annotated[Path | None, Parameter(allow_leading_hyphen=True)] = None,
+    parquet: Path | None = None,
+) -> None:
+    """Write every evaluation of a run as one table.
 
     Parameters
     ----------
     run
         A run's folder. The run may still go on.
     csv
-        Write CSV into this file, or to standard output with `-`.
+        Write CSV into this file; `-` for the terminal.
     parquet
-        Write Parquet into this file. This needs pandas and pyarrow.
+        Write Parquet into this file. This needs `pip install 'robomore[table]'`.
     """
     from robomore.runs import load_run
     from robomore.runs.table import write_parquet
 
     if (csv is None) == (parquet is None):
-        raise InputError("where to? give either --csv FILE or --parquet FILE")
+        raise InputError("give one of --csv FILE and --parquet FILE")
     rows = load_run(run).rows()
-    if parquet is not None:
-        write_parquet(rows, parquet)
-        sys.stdout.write(f"{parquet}\n")
-    elif csv is not None:
+    if csv is not None:
         _write_csv(rows, csv)
+    elif parquet is not None:
+        write_parquet(rows, parquet)
+        sys.stdout.write(f"{parquet}: {len(rows)} rows\n")
 
 
 def _write_csv(rows: list[Row], path: Path) -> None:
     from robomore.runs.table import csv_text, write_csv
 
-    if path == _STDOUT:
+    if path == Path("-"):
         sys.stdout.write(csv_text(rows))
-    else:
-        write_csv(rows, path)
-        sys.stdout.write(f"{path}\n")
+        return
+    write_csv(rows, path)
+    sys.stdout.write(f"{path}: {len(rows)} rows\n")
 
 
 def _print(runs: tuple[Run, ...]) -> None:
@@ -87,23 +91,18 @@ def _print(runs: tuple[Run, ...]) -> None:
 
     from robomore.runs.words import duration, number, unit_of, with_interval
 
+    screen = console()
     table = Table(box=None, pad_edge=False)
-    for heading, side in (
-        ("task", "left"),
-        ("method", "left"),
-        ("seed", "right"),
-        ("champion", "right"),
-        ("times the reference", "right"),
-        ("search steps", "right"),
-        ("core time", "right"),
-        ("run", "left"),
-    ):
-        table.add_column(heading, justify="right" if side == "right" else "left")
+    for heading in ("run", "task", "method", "seed"):
+        table.add_column(heading)
+    for heading in ("champion", "over the reference", "search steps", "core time"):
+        table.add_column(heading, justify="right")
     for run in runs:
-        manifest = run.manifest
-        score = run.champion.score(run.objective) if run.champion else None
+        manifest, champion = run.manifest, run.champion
+        score = champion.score(run.objective) if champion else None
         ratio = with_interval(run.ratio, digits=3) if run.ratio else "-"
         table.add_row(
+            run.folder.name,
             manifest.task,
             manifest.settings.method.name,
             str(manifest.seed),
@@ -111,6 +110,5 @@ def _print(runs: tuple[Run, ...]) -> None:
             ratio if run.final else "not finished",
             f"{run.search_steps:,}",
             duration(run.cost.core_seconds),
-            str(run.folder),
         )
-    console().print(table)
+    screen.print(table)
