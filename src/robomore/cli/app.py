@@ -16,11 +16,14 @@ from robomore.errors import InputError, Interrupted, RoboMoReError
 
 COMMANDS = {
     "tasks": ("robomore.cli.tasks:tasks", "List the tasks."),
-    "inspect": ("robomore.cli.tasks:inspect", "Show one body: volume, mass, MJCF, a picture."),
-    "run": ("robomore.cli.run:run", "Search for the best body and reward for a task."),
-    "show": ("robomore.cli.show:show", "Show a run: champion, human design, the way there."),
+    "inspect": ("robomore.cli.tasks:inspect", "Show one robot: volume, mass, MJCF, a picture."),
+    "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),
+    "run": ("robomore.cli.run:run", "Search for the best morphology and reward for a task."),
+    "show": ("robomore.cli.show:show", "Show a run: champion, reference, how it got there."),
     "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
+    "compare": ("robomore.cli.tables:compare", "Put runs side by side."),
+    "export": ("robomore.cli.tables:export", "Write every evaluation of a run as one table."),
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
     "check-reward": (
         "robomore.cli.sandbox:check_reward",

@@ -118,7 +118,7 @@ def _progress(steps: int) -> Iterator[Callable[[int], None]]:
 
 
 def _print(evaluation: Evaluation) -> None:
-    from robomore.report.words import EFFICIENCY_UNIT, duration, number
+    from robomore.runs.words import EFFICIENCY_UNIT, duration, number
 
     lines = [f"status      {evaluation.status}"]
     if evaluation.ok:

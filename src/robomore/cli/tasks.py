@@ -26,9 +26,9 @@ def tasks(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False)
     as_json
         Print JSON: parameters with bounds, units and meaning, rules, volumes.
     """
-    from robomore.tasks import all_tasks
+    from robomore.tasks import TASKS
 
-    found = all_tasks().values()
+    found = [task for _, task in TASKS.items()]
     if as_json:
         write_json([_as_data(task) for task in found])
         return
