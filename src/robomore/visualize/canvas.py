@@ -19,12 +19,10 @@ def axes_for(ax: Axes | None) -> Axes:
     Raises:
         InputError: Matplotlib is not installed.
     """
-    pyplot = matplotlib("pyplot")
     if ax is not None:
         return ax
-    _, new = pyplot.subplots(layout="constrained")
-    made: Axes = new
-    return made
+    new: Axes = matplotlib("pyplot").subplots(layout="constrained")[1]
+    return new
 
 
 def matplotlib(module: str) -> Any:

@@ -48,7 +48,7 @@ def pairs(run: Run, ax: Axes | None = None) -> Axes:
             ax.scatter([at + x for x in spread], score.values, s=14, color=colour)
             if score.interval:
                 ax.plot([at, at], score.interval, color="black", linewidth=1.5)
-    ax.set_xticks(range(len(names)), names)
+    ax.set_xticks(range(len(names)), names, fontsize="small")
     ax.set(ylabel=label(run.objective))
     return ax
 
