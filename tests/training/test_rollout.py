@@ -14,7 +14,7 @@ from robomore.training.trainer import Transition
 
 
 class FallingEnv:
-    """A body that moves by its action each step and falls after as many steps as its seed says.
+    """A robot that moves by its action each step and falls after as many steps as its seed says.
 
     Seeds of 10 and more end by time after 10 steps. The torso is `seed` high in the first step.
     """

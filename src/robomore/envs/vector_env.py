@@ -57,7 +57,7 @@ class VectorEnv:
         physics_state: (num_envs, nq + nv) positions and velocities now.
         qpos: (num_envs, nq) the positions in it.
         qvel: (num_envs, nv) the velocities in it.
-        cfrc_ext: (num_envs, bodies, 6) contact forces after the last step, where anything asks for them.
+        cfrc_ext: (num_envs, bodies, 6) contact forces after the last step, where asked for.
         healthy: (num_envs,) bool after the last step.
         diverged: (num_envs,) bool, the physics diverged in the last step.
         divergences: how often it did in all.

@@ -1,4 +1,4 @@
-"""What travels to a worker and to the contained child, and what comes back from it."""
+"""What is sent to a worker and to the sandboxed process, and what comes back from them."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Training:
-    """What the contained child says of its training. A stranger's code ran there: believe no more
-    than its type.
+    """What the sandboxed process says of its training. Untrusted code ran there, so no more than
+    its type is believed.
 
     Attributes:
         steps: control steps done.
@@ -63,7 +63,7 @@ class Training:
 
 
 def believed(reply: bytes) -> Training:
-    """Return what a child claims, cut to what fits a ledger and a page.
+    """Return what a sandboxed process claims, cut to what fits a ledger and a page.
 
     Raises:
         ValueError: it is no encoded `Training`, or its learning curve breaks the bounds.

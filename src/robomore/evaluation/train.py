@@ -1,4 +1,4 @@
-"""The part of an evaluation that runs a stranger's code, always inside a contained child."""
+"""The part of an evaluation that runs untrusted code, always in a sandboxed process."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     Args:
         payload: an encoded `Request`.
         scratch: the only folder that may be written to (and the checkpoint's, if one is asked for).
-        report: told the control steps done.
+        report: is told the control steps done.
 
     Returns:
         An encoded `Training`.

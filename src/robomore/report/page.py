@@ -28,14 +28,15 @@ def write_report(run: Run | Path, out: Path | None = None) -> Path:
 
     Args:
         run: a run, or its folder.
-        out: the file; `report.html` in the folder by default.
+        out: the file; `report.html` in the folder by default, `report-KEY.html` for one evaluation.
 
     Raises:
         RunFolderError: `run` is no run folder.
         InputError: the file cannot be written.
     """
     run = run if isinstance(run, Run) else load_run(run)
-    path = out or RunFolder(run.folder).report
+    usual = RunFolder(run.folder).report
+    path = out or (usual.with_name(f"report-{run.focus}.html") if run.focus else usual)
     partial = path.with_name(path.name + ".partial")
     try:
         partial.write_text(render(run), encoding="utf-8")

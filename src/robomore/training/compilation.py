@@ -1,7 +1,7 @@
-"""Compiling once a run rather than once a training: JAX's cache of compiled programs on disk.
+"""Compiling once in a run instead of once in a training: JAX's cache of compiled programs on disk.
 
-What is read from the cache is machine code. It has to be filled by a process that runs no
-stranger's code (`Trainer.prepare`), and to be read-only for one that does.
+What is read from the cache is machine code. So only a process that runs no untrusted code fills it
+(`Trainer.prepare`), and it is read-only for a process that does.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ class MLPPolicy:
 
     @classmethod
     def load(cls, path: Path) -> MLPPolicy:
-        """Read what `save` wrote, or what a stranger left in its place. Never unpickles.
+        """Read what `save` wrote, or what untrusted code left in its place. Never unpickles.
 
         Raises:
             ValueError: the file is not a policy (missing layers, wrong shapes, non-finite numbers).

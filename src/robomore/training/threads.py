@@ -1,4 +1,4 @@
-"""One core per training: many bodies are trained side by side, so none may start a thread pool.
+"""One core per training: many designs are trained side by side, so none may start a thread pool.
 
 Numerical libraries read these settings once, when they load or first compute. A parent therefore
 passes `ONE_THREAD` to the processes it starts, and `use_one_thread` covers processes started

@@ -1,8 +1,8 @@
 """Compiling once what every candidate of a run would compile again.
 
 What a trainer compiles depends on its settings and on the sizes of observation and action, never
-on a design. So a process that runs no stranger's code has the trainer prepared once, with JAX's
-compilation cache switched on; the candidates' processes then read that cache and may not write to
+on a design. So a process that runs no untrusted code prepares the trainer once, with JAX's
+compilation cache switched on. The candidates' processes then read that cache and may not write to
 it.
 """
 
@@ -20,7 +20,7 @@ from robomore.types import TrainerSettings
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What decides a trainer's compiled code."""
+    """What a trainer's compiled code depends on."""
 
     trainer: TrainerSettings
     observation_size: int
@@ -28,7 +28,7 @@ class Shape:
 
 
 def warm(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
-    """Fill the cache for an encoded `Shape`; runs in a contained child whose `scratch` it is."""
+    """Fill the cache for an encoded `Shape`; runs in a sandboxed process."""
     shape = msgspec.json.decode(payload, type=Shape)
     make_trainer(shape.trainer).prepare(shape.observation_size, shape.action_size)
     return b""

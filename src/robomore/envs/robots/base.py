@@ -89,12 +89,13 @@ class RobotEnvironment(MujocoEnv):
 
         Args:
             state: (num_envs, nq + nv) positions and velocities.
-            cfrc_ext: (num_envs, bodies, 6) contact forces; not read where the robot does not observe them.
+            cfrc_ext: (num_envs, bodies, 6) contact forces; not read where the robot does not
+                observe them.
         """
         return state[:, self.observation_structure["skipped_qpos"] :].copy()
 
     def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
-        """Return (num_envs,) bool: whether an episode may go on with this `state` (num_envs, nq + nv)."""
+        """Return (num_envs,) bool: whether episodes may go on in `state` (num_envs, nq + nv)."""
         return np.ones(len(state), dtype=np.bool_)
 
     @classmethod
@@ -159,6 +160,6 @@ def clip_in_place(values: Array, low: float, high: float) -> None:
 
 
 def all_of_each(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return (num_envs,) whether all of a row are true, without the detour that `rows.all` makes."""
+    """Return (num_envs,) whether all of a row are true, without the detour of `rows.all`."""
     every: NDArray[np.bool_] = np.logical_and.reduce(rows, axis=1)
     return every

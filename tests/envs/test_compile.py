@@ -13,7 +13,8 @@ import pytest
 from robomore.envs import union
 from robomore.envs.compile import body_facts, compile_model
 from robomore.errors import InvalidMorphology
-from robomore.tasks import TASKS, Task, get_task
+from robomore.tasks import Task, get_task
+from robomore.tasks.registry import PAPER_TASKS
 
 HUMAN = {  # mass in kg, density in kg/m^3, height of the torso in m
     "ant": (0.910880, 5, math.hypot(0.4, 0.4) + 0.15),
@@ -27,7 +28,7 @@ HUMAN = {  # mass in kg, density in kg/m^3, height of the torso in m
 }
 
 
-@pytest.fixture(params=TASKS.values(), ids=TASKS)
+@pytest.fixture(params=PAPER_TASKS, ids=lambda task: task.id)
 def task(request: pytest.FixtureRequest) -> Task:
     chosen: Task = request.param
     return chosen
