@@ -329,9 +329,14 @@ def test_every_mistake_is_one_line_and_status_2(
     assert not (tmp_path / "runs").exists()
 
 
+HIDDEN = ImportError("initialization failed")
+HIDDEN.__cause__ = KeyboardInterrupt()
+
+
 @pytest.mark.parametrize(
     ("error", "status", "expected"),
     [
+        (HIDDEN, 130, "stopped"),
         (Interrupted("stopped; 3 evaluations are kept"), 130, "3 evaluations are kept"),
         (KeyboardInterrupt(), 130, "stopped"),
         (NothingTrained("all 4 candidates failed"), 1, "all 4 candidates failed"),
