@@ -62,7 +62,7 @@ def test_it_runs_with_progress_report_show_compare_and_resume(
     assert "climb: " in done.stderr, "its stages are told as it goes on"
     again = robomore(installed, *command, "--json")
     first = json.loads(again.stdout)
-    assert first["final"] and first["champion"]["efficiency"] > 0
+    assert first["final"] and first["champion"]["efficiency"]["mean"] > 0
 
     shown = robomore(installed, "show", out)
     assert shown.returncode == 0 and "hill-climb" in shown.stdout
