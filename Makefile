@@ -11,16 +11,19 @@ COMPILE := uv pip compile pyproject.toml --quiet --universal --python-version 3.
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test lint format lock clean
+.PHONY: help demo test test-all lint format lock clean
 
 help: ## List these verbs
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 demo: $(VENV)/.run ## Search for a better robot on this machine; ends with a report
 	$(BIN)/robomore run half-cheetah --preset quick --seed 0 --out runs/demo
 
-test: $(VENV)/.dev ## Run all tests, on all cores
+test: $(VENV)/.dev ## Run the tests, on all cores
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
+
+test-all: $(VENV)/.dev ## Run the tests with all their examples (takes long)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m ''
 
 lint: $(VENV)/.dev ## Check style and types
 	$(BIN)/ruff check .
@@ -34,7 +37,7 @@ format: $(VENV)/.dev ## Put the code into the one style
 lock: ## Choose the packages' versions anew (needs uv)
 	@command -v uv >/dev/null || { echo "make lock needs uv: pip install uv" >&2; exit 2; }
 	$(COMPILE) --upgrade --group build --output-file lock/base.txt
-	$(COMPILE) --upgrade --group dev --extra union --extra llm --constraint lock/base.txt --output-file lock/dev.txt
+	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --constraint lock/base.txt --output-file lock/dev.txt
 
 clean: ## Remove .venv and caches; runs/ stays
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -24,12 +24,17 @@ def run(arguments: str) -> str:
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ("update.py --hidden 16 --batch 16 --seconds 0.1", ["bare matrix products", "RoboMoRe"]),
+        pytest.param(
+            "update.py --hidden 16 --batch 16 --seconds 0.1",
+            ["bare matrix products", "RoboMoRe"],
+            marks=pytest.mark.exhaustive,
+        ),
         ("simulation.py --steps 4", ["ant", "half-cheetah", "hopper", "walker", "swimmer"]),
-        (
+        pytest.param(
             "learning.py --robots swimmer --seeds 1 --steps 6400 --every 3200 "
             "--set learning_starts=1024",
             ["swimmer, human body", "3200", "6400"],
+            marks=pytest.mark.exhaustive,
         ),
     ],
 )

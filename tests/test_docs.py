@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-import ast
-import math
+import json
 import re
 import shlex
+import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from functools import cache
 from pathlib import Path
+from pkgutil import resolve_name
 
+import msgspec
 import pytest
 from cyclopts import CycloptsError
 
+from fake_run import FakeRun, finished_run
+from robomore import compare, load_run
 from robomore.cli.app import COMMANDS, application
-from robomore.settings import PRESETS, preset
+from robomore.search import METHODS
+from robomore.search.final import stage as final_stage
+from robomore.search.measure import survivor_count
+from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.settings import PRESETS, from_options, preset
 from robomore.store import RunFolder
-from robomore.tasks import all_tasks, get_task
+from robomore.store.ledger import TABLES
+from robomore.tasks import TASKS, get_task
 from robomore.types import Status
 
 ROOT = Path(__file__).parents[1]
@@ -32,6 +42,7 @@ _HEADING = re.compile(r"^#+ +(.+?) *$", re.MULTILINE)
 STAND_INS = {
     "TASK": "ant",
     "RUN": "runs/demo",
+    "KEY": "1f",
     "DESIGN": "runs/demo/champion",
     "FILE.json": "body.json",
     "FILE.py": "reward.py",
@@ -123,54 +134,96 @@ def test_commands_parse(document: str, arguments: str) -> None:
 def third_party_tasks() -> set[str]:
     """Return the ids of tasks that the examples add once they are installed."""
     text = "".join(path.read_text() for path in ROOT.glob("examples/**/*.py"))
-    return set(re.findall(r'^\s+id="([\w-]+)"', text, re.MULTILINE)) - set(all_tasks())
+    return set(re.findall(r'^\s+id="([\w-]+)"', text, re.MULTILINE)) - set(TASKS)
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=named)
-def test_python_in_documents_imports_what_exists(document: Path) -> None:
-    for language, block in _FENCE.findall(document.read_text()):
-        if language != "python":
-            continue
-        for node in ast.walk(ast.parse(block)):
-            if isinstance(node, ast.Import | ast.ImportFrom):
-                exec(ast.unparse(node), {})
+def test_names_in_documents_exist(document: Path) -> None:
+    for name in re.findall(r"`(robomore(?:\.[A-Za-z_]+)+)", prose(document)):
+        resolve_name(name)
 
 
 def test_verbs_of_make_exist() -> None:
-    verbs = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    verbs = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     used = {arguments.split()[0] for _, arguments in commands("make")}
     assert used and used <= verbs
 
 
+def runs_page() -> str:
+    return (ROOT / "docs" / "runs.md").read_text()
+
+
 @pytest.mark.parametrize("name", PRESETS)
-def test_presets_are_told_as_they_are(name: str) -> None:
+def test_presets_are_told_as_they_are(name: str, tmp_path: Path) -> None:
     settings = preset(name)
-    search, candidate, final = settings.search, settings.candidate, settings.final
-    grid = search.morphologies * search.rewards
-    survivors = max(1, math.floor(search.survivors * grid + 0.5))
+    sizes = from_options(RoboMoReSettings, settings.method.options, name)
+    candidate, last = settings.candidate, settings.final
 
     def several(count: int, word: str) -> str:
         return f"{count:,} {word}{'s' if count > 1 else ''}"
 
     cells = (
         f"`{name}`",
-        f"{search.morphologies} by {search.rewards}",
-        str(survivors),
-        str(search.max_cycles),
+        f"{sizes.morphologies} by {sizes.rewards}",
+        sizes.reference_reward,
+        str(survivor_count(sizes.survivors, sizes.morphologies * sizes.rewards)),
+        str(sizes.max_cycles),
         f"{several(candidate.steps, 'step')}, {several(candidate.episodes, 'episode')}",
-        f"{several(search.finalists, 'design')}, {several(search.repeats, 'seed')}, "
-        f"{several(final.steps, 'step')}, {several(final.episodes, 'episode')}",
+        f"{several(last.finalists, 'design')}, {several(last.seeds, 'seed')}, "
+        f"{several(last.steps, 'step')}, {several(last.episodes, 'episode')}",
     )
-    row = f"| {' | '.join(cells)} |"
-    assert row in (ROOT / "docs" / "runs.md").read_text()
+    assert f"| {' | '.join(cells)} |" in runs_page()
+
+    plan = FakeRun(tmp_path, settings=settings).manifest.plan
+    final = final_stage(last)
+    search = [stage for stage in plan.stages if stage.role != "final"]
+    most = (
+        sum(stage.evaluations for stage in search),
+        final.evaluations,
+        sum(stage.steps for stage in search),
+        final.steps,
+    )
+    assert f"| `{name}` | {' | '.join(f'{number:,}' for number in most)} |" in runs_page()
 
 
-def test_every_file_of_a_run_is_told() -> None:
-    told = (ROOT / "docs" / "runs.md").read_text()
+def test_every_file_table_and_status_of_a_run_is_told() -> None:
     folder = RunFolder(Path("run"))
     names = [path.name for path in vars(folder).values() if isinstance(path, Path)]
-    assert [name for name in names if name != "run" and f"`{name}" not in told] == []
-    assert [status for status in Status if f"| `{status}` |" not in told] == []
+    assert [name for name in names if name != "run" and f"`{name}" not in runs_page()] == []
+    assert [table for table in TABLES if f"| `{table} (" not in runs_page()] == []
+    assert [status for status in Status if f"| `{status}` |" not in runs_page()] == []
+
+
+def test_every_column_is_told(tmp_path: Path) -> None:
+    run = load_run(finished_run(tmp_path).path)
+    page = runs_page()
+    told = page[page.index("### The table") : page.index("In the CSV file")]
+    missing = set(run.rows()[0]) - set(re.findall(r"`(\w+)`", told)) - set(run.task.names)
+    assert not missing
+    methods = (ROOT / "docs" / "methods.md").read_text()
+    told = methods[methods.index("`compare` has one row") : methods.index("## A method of your")]
+    assert not set(compare([run]).rows()[0]) - set(re.findall(r"`(\w+)`", told))
+
+
+@pytest.mark.parametrize("name", ["robomore", "random", "reference"])
+def test_options_of_methods_are_told_as_they_are(name: str) -> None:
+    page = (ROOT / "docs" / "methods.md").read_text()
+    section = page[page.index(f"## `{name}`") :].split("\n## ")[0]
+    told = dict(re.findall(r"^\| `(\w+)` \| (.+?) \|", section, re.MULTILINE))
+    options = METHODS.get(name).Settings
+    expected = msgspec.to_builtins(options())
+    rungs = expected.pop("rungs", None)
+    assert rungs is None or (told.pop("rungs") == "see below" and json.dumps(rungs) in section)
+    assert told == {option: f"`{json.dumps(value)}`" for option, value in expected.items()}
+
+
+def test_queries_run_on_a_ledger(tmp_path: Path) -> None:
+    finished_run(tmp_path)
+    queries = re.findall(r'^sqlite3 \S+ "(.*?)"$', runs_page(), re.MULTILINE | re.DOTALL)
+    with closing(sqlite3.connect(tmp_path / "ledger.sqlite")) as ledger:
+        for query in queries:
+            assert ledger.execute(query).fetchall(), query
+    assert len(queries) == 2
 
 
 def texts() -> Iterator[tuple[str, str]]:

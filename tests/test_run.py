@@ -59,6 +59,7 @@ def test_a_run_ends_with_a_champion_and_its_files(finished: Path) -> None:
     assert stages == ["coarse"] * 2 + ["fine"] * 2 + ["final"] * 2
 
 
+@pytest.mark.exhaustive  # tests/faults/test_circumstances.py does the same without training
 def test_one_worker_gives_the_same_numbers_as_two(finished: Path, tmp_path: Path) -> None:
     run("swimmer", TINY, seed=1, workers=1, out=tmp_path / "b")
     assert numbers(tmp_path / "b") == numbers(finished)
@@ -79,6 +80,7 @@ def test_a_finished_run_recomputes_nothing(finished: Path) -> None:
     assert all(e.ok for e in result.champion)
 
 
+@pytest.mark.exhaustive  # tests/faults/test_kills.py does the same with a quick trainer
 def test_a_run_killed_again_and_again_ends_as_an_uninterrupted_one(
     finished: Path, tmp_path: Path
 ) -> None:

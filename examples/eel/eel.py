@@ -1,4 +1,4 @@
-"""Eel: a robot of one's own as a task of RoboMoRe, in one file.
+"""Eel: a robot of your own as a task of RoboMoRe, in one file.
 
 Four links in a row swim in a viscous plane, thick at the head and thin at the tail. It moves,
 observes and ends its episodes as Gymnasium's Swimmer does, so that class is used as it is.
@@ -15,7 +15,7 @@ REWARD = '''def _get_rew(self, x_velocity, action):
     return forward - effort, {"forward": forward, "effort": -effort}
 '''
 
-# What stands in braces is arithmetic over the parameters' names, computed for each body.
+# What stands in braces is arithmetic over the parameters' names, computed for each morphology.
 TEMPLATE = """\
 <mujoco model="eel">
   <compiler angle="degree" inertiafromgeom="true"/>
@@ -58,7 +58,7 @@ TEMPLATE = """\
 
 
 def shapes(values: Values) -> tuple[Shape, ...]:
-    """Return the solids of one body, for its volume."""
+    """Return the solids of one morphology, for its volume."""
     head, tail = values["head_radius"], values["tail_radius"]
     radii = (head, (2 * head + tail) / 3, (head + 2 * tail) / 3, tail)
     return tuple(Capsule(radius, values["link_length"]) for radius in radii)

@@ -1,6 +1,6 @@
 """A search method in one file: change one parameter at a time, keep what is better.
 
-Install this folder (`pip install -e examples/hill-climb`), and then:
+Install this folder (`pip install examples/hill-climb`), and then:
 
     robomore run swimmer --preset quick --method hill-climb --method-option step=0.3
 """

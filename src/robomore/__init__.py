@@ -1,8 +1,9 @@
 """RoboMoRe: co-design of robot morphology and reward, proposed, trained in MuJoCo, and refined.
 
-A `Task` says what is to be done and which dimensions of its robot are free. A `Morphology` (numbers)
-and a `Reward` (program text) make a `Design`, the unit that is trained; what training gave is an
-`Evaluation`. A designer proposes, a search method decides, and what they leave behind is a `Run`.
+A `Task` says what is to be done and which dimensions of its robot are free. A `Morphology`
+(numbers) and a `Reward` (program text) make a `Design`, the unit that is trained; what training
+gave is an `Evaluation`. A designer proposes, a search method decides, and what they leave behind is
+a `Run`.
 
     import robomore
 

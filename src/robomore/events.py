@@ -71,7 +71,12 @@ class Spent:
 
 @dataclass(frozen=True, slots=True)
 class BatchBegan:
-    """The search asked for a batch of evaluations, some of which may be known already."""
+    """The search asked for a batch of evaluations, some of which may be known already.
+
+    Attributes:
+        places: one for each evaluation; trials of equal content share an evaluation.
+        known: how many of them were measured before.
+    """
 
     places: tuple[Place, ...]
     known: int

@@ -1,4 +1,4 @@
-"""An undisturbed run, which every disturbed one has to end like, and a command line to disturb."""
+"""Undisturbed runs, which every disturbed one has to end like, and a command line to disturb."""
 
 from __future__ import annotations
 
@@ -11,33 +11,36 @@ from told import Command, Said
 
 from robomore.cli.app import main
 from robomore.evaluation import evaluator
+from shared import made_once
 
 
-@pytest.fixture(scope="session")
-def timed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, float]:
-    out = tmp_path_factory.mktemp("undisturbed") / "run"
-    began = time.monotonic()
-    done = ended(*SMOKE, "--workers", "2", "--out", out)
+def _run(out: Path, work: str) -> None:
+    done = ended(*SMOKE, "--workers", "2", "--out", out, work=work)
     assert done.returncode == 0, done.stderr
-    return out, time.monotonic() - began
 
 
 @pytest.fixture(scope="session")
-def undisturbed(timed: tuple[Path, float]) -> Path:
-    """Folder of the run."""
-    return timed[0]
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a run whose numbers are made up. Copy it before you write to it."""
+    return made_once(tmp_path_factory, "undisturbed", lambda out: _run(out, "made_up"))
 
 
 @pytest.fixture(scope="session")
-def undisturbed_seconds(timed: tuple[Path, float]) -> float:
-    """How long it took."""
-    return timed[1]
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a run with the quick trainer, and in `seconds` how long it took."""
+
+    def timed(folder: Path) -> None:
+        began = time.monotonic()
+        _run(folder / "run", "quick")
+        (folder / "seconds").write_text(str(time.monotonic() - began))
+
+    return made_once(tmp_path_factory, "trained", timed)
 
 
 @pytest.fixture
 def robomore_(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
-    """Run a command in this process, with the quick trainer in its workers."""
-    monkeypatch.setattr(evaluator, "_WORK", "quick_run:work")
+    """Run a command in this process, with made-up evaluations in its workers."""
+    monkeypatch.setattr(evaluator, "_WORK", "quick_run:made_up")
     monkeypatch.setenv("PYTHONPATH", environment()["PYTHONPATH"])
 
     def call(*arguments: str | Path) -> Said:

@@ -6,7 +6,6 @@ import ast
 import random
 import shutil
 import sqlite3
-import subprocess
 import time
 from collections.abc import Callable
 from contextlib import closing
@@ -14,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from processes import descendants, kill
-from quick_run import SMOKE, command, environment
+from lives import PATIENCE, life
+from quick_run import SMOKE
 from run_state import champion, numbers, rows, same_run
 from told import Command, refused
 
@@ -31,6 +30,14 @@ CLOCKS = {
     "datetime.now",
     "date.today",
 }
+
+
+def test_one_worker_gives_the_same_numbers_as_two(
+    undisturbed: Path, tmp_path: Path, robomore_: Command
+) -> None:
+    out = tmp_path / "run"
+    assert robomore_(*SMOKE, "--workers", "1", "--out", out).status == 0
+    same_run(out, undisturbed)
 
 
 def test_a_jumping_clock_changes_nothing(
@@ -62,26 +69,15 @@ def test_a_second_run_in_the_folder_is_refused_and_the_first_is_not_disturbed(
     undisturbed: Path, tmp_path: Path, robomore_: Command
 ) -> None:
     out = tmp_path / "run"
-    first = subprocess.Popen(
-        command(*SMOKE, "--workers", "2", "--out", out),
-        env=environment(),
-        stderr=subprocess.PIPE,
-        stdout=subprocess.DEVNULL,
-        text=True,
-        start_new_session=True,
-    )
-    try:
-        deadline = time.monotonic() + 60
-        while not RunFolder(out).ledger.exists() and time.monotonic() < deadline:
-            time.sleep(0.02)
+    with life(out, "slow") as first:
+        while not RunFolder(out).ledger.exists() and first.lasts_until(PATIENCE, step=0.02):
+            continue
         second = robomore_(*SMOKE, "--out", out)
-        assert first.poll() is None, "too late to tell"
+        assert first.parent.poll() is None, "too late to tell"
         refused(second, "a run that goes on")
         assert "in use by another run" in second.err
-        _, said = first.communicate(timeout=120)
-    finally:
-        kill(first.pid, *descendants(first.pid))
-    assert first.returncode == 0, said
+        status, said = first.end()
+    assert status == 0, said
     same_run(out, undisturbed)
 
 

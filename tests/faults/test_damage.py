@@ -5,27 +5,28 @@ from __future__ import annotations
 import random
 import shutil
 import sqlite3
-import subprocess
-import time
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from processes import descendants, kill
-from quick_run import SMOKE, command, environment
+from lives import killed_run
+from quick_run import SMOKE
 from run_state import champion, numbers, rows
 from told import Command, facts, measured, refused
 
-from robomore.cli.trained_design import TrainedDesign, find_trained_design
+from robomore.cli.trained_design import find_policies
 from robomore.errors import InputError
 from robomore.store import RunFolder
 
-PLACES = 50
+
+def places(default: int, most: int) -> list[object]:
+    """Return seeds, of which those beyond the default are exhaustive."""
+    more = (pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(default, most))
+    return [*range(default), *more]
 
 
-@pytest.mark.parametrize("place", range(PLACES))
+@pytest.mark.parametrize("place", places(10, 50))
 def test_a_damaged_file_is_refused_or_made_good(
     place: int, undisturbed: Path, tmp_path: Path, robomore_: Command
 ) -> None:
@@ -39,8 +40,8 @@ def test_a_damaged_file_is_refused_or_made_good(
         assert facts(shown.out) == facts(robomore_("show", undisturbed, "--json").out), done
     else:
         refused(shown, done)
-    performer = found(out)
-    assert performer is None or performer == found(undisturbed), done
+    shown_policy = found(out)
+    assert shown_policy is None or shown_policy == found(undisturbed), done
 
     again = robomore_(*SMOKE, "--out", out)
     if again.status == 0:
@@ -56,24 +57,13 @@ def test_a_damaged_file_is_refused_or_made_good(
     assert again.status == 0 or "run.json" in done or "ledger" in done, again.err
 
 
-@pytest.mark.parametrize("place", range(4))
+@pytest.mark.parametrize("place", places(1, 4))
 def test_a_damaged_log_of_a_killed_run_costs_what_was_last_written(
     place: int, undisturbed: Path, tmp_path: Path, robomore_: Command
 ) -> None:
     choose = random.Random(place)
     out = tmp_path / "run"
-    life = subprocess.Popen(
-        command(*SMOKE, "--workers", "2", "--out", out), env=environment(), start_new_session=True
-    )
-    try:
-        deadline = time.monotonic() + 60
-        while len(rows(out)) < 5 and time.monotonic() < deadline:
-            time.sleep(0.02)
-    finally:
-        kill(life.pid, *descendants(life.pid))
-        life.wait()
-    log = RunFolder(out).ledger.with_name("ledger.sqlite-wal")
-    done = damage(log, choose)
+    done = damage(killed_run(out, 5), choose)
     before = robomore_("show", out, "--json")
     if before.status:
         refused(before, done)
@@ -98,7 +88,7 @@ def test_an_empty_ledger_is_done_again(
     assert numbers(out) == numbers(undisturbed)
 
 
-def test_a_salvaged_ledger_keeps_what_is_whole(
+def test_a_recovered_ledger_keeps_what_is_whole(
     undisturbed: Path, tmp_path: Path, robomore_: Command, caplog: pytest.LogCaptureFixture
 ) -> None:
     out = tmp_path / "run"
@@ -165,9 +155,7 @@ def damage(path: Path, choose: random.Random) -> str:
 def found(out: Path) -> tuple[Any, ...] | None:
     """Return what `play` would show, `None` where it refuses."""
     try:
-        performer: TrainedDesign = find_trained_design(out)
+        (shown,) = find_policies(out)
     except InputError:
         return None
-    arrays = (*performer.policy.weights, *performer.policy.biases)
-    policy = b"".join(np.ascontiguousarray(array).tobytes() for array in arrays)
-    return performer.task.id, performer.parameters, policy
+    return shown.task.id, shown.parameters, shown.policy.to_bytes()

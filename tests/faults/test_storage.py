@@ -8,19 +8,18 @@ import shutil
 import subprocess
 import sys
 import textwrap
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from processes import descendants, kill
+from lives import killed_run
 from quick_run import SMOKE, command, ended, environment
 from run_state import rows, same_run
 from told import Command, Said, facts, refused
 
 from robomore.evaluation import evaluator
-from robomore.sandbox.layers import strict_is_possible
 from robomore.store import Ledger, RunFolder
+from strict import strictly
 
 
 @pytest.fixture
@@ -45,35 +44,43 @@ def resize(folder: Path, options: str) -> None:
     subprocess.run(["mount", "-o", f"remount,{options}", str(folder)], check=True)
 
 
-@pytest.mark.parametrize("kib", (20, 260, 380, 420))
+@pytest.mark.parametrize(
+    ("work", "kib"),
+    [
+        ("made_up", 24),
+        ("made_up", 320),
+        *(pytest.param("quick", kib, marks=pytest.mark.exhaustive) for kib in (20, 260, 380, 480)),
+    ],
+)
 def test_a_full_disk_stops_a_run_that_goes_on_once_there_is_space(
-    kib: int, small_disk: Path, undisturbed: Path
+    work: str, kib: int, small_disk: Path, undisturbed: Path, request: pytest.FixtureRequest
 ) -> None:
+    like = undisturbed if work == "made_up" else request.getfixturevalue("trained") / "run"
     resize(small_disk, f"size={kib}k")
     out = small_disk / "run"
-    done = ended(*SMOKE, "--workers", "2", "--out", out)
+    done = ended(*SMOKE, "--workers", "2", "--out", out, work=work)
     if done.returncode:
         stopped(done)
         finished = rows(out)
     resize(small_disk, "size=64m")
-    again = ended(*SMOKE, "--workers", "2", "--out", out)
+    again = ended(*SMOKE, "--workers", "2", "--out", out, work=work)
     assert again.returncode == 0, again.stderr
     assert not done.returncode or finished.items() <= rows(out).items()
-    same_run(out, undisturbed)
+    same_run(out, like)
     resize(small_disk, "ro")
     shown = ended("show", out, "--json")
     assert shown.returncode == 0, shown.stderr
     resize(small_disk, "rw")
 
 
-@pytest.mark.parametrize("kib", (8, 48))
+@pytest.mark.parametrize("kib", [8, pytest.param(48, marks=pytest.mark.exhaustive)])
 def test_files_that_may_not_grow_stop_a_run_in_the_same_way(
-    kib: int, tmp_path: Path, undisturbed: Path
+    kib: int, tmp_path: Path, trained: Path
 ) -> None:
     out = tmp_path / "run"
     bytes_ = kib * 1024
     done = subprocess.run(
-        command(*SMOKE, "--workers", "2", "--out", out),
+        command(*SMOKE, "--workers", "2", "--out", out, work="quick"),
         env=environment(),
         capture_output=True,
         text=True,
@@ -83,10 +90,10 @@ def test_files_that_may_not_grow_stop_a_run_in_the_same_way(
     )
     stopped(done)
     finished = rows(out)
-    again = ended(*SMOKE, "--workers", "2", "--out", out)
+    again = ended(*SMOKE, "--workers", "2", "--out", out, work="quick")
     assert again.returncode == 0, again.stderr
     assert finished.items() <= rows(out).items()
-    same_run(out, undisturbed)
+    same_run(out, trained / "run")
 
 
 def stopped(done: subprocess.CompletedProcess[str]) -> None:
@@ -100,12 +107,13 @@ def stopped(done: subprocess.CompletedProcess[str]) -> None:
 
 READ_ONLY = textwrap.dedent(
     """
-    import ctypes, os, sys
-    from robomore import experiment
+    import ctypes, importlib, os, sys
     from robomore.cli import main
+    from robomore.sandbox.call import Containment
     from robomore.sandbox.linux import landlock
     # It cannot start the process that would try the layers out.
-    experiment._containment = lambda asked, ours: (experiment.Containment(asked), "")
+    run = importlib.import_module("robomore.experiment.run")
+    run.choose_containment = lambda asked, ours: (Containment.STRICT, "")
     ctypes.CDLL(None).prctl(38, 1, 0, 0, 0)  # no new privileges
     landlock.restrict(["/"], [os.environ["TMPDIR"], "/dev/null"])
     sys.exit(main())
@@ -129,19 +137,14 @@ def read_only(tmp_path: Path, *arguments: str | Path) -> Said:
     return Said(done.returncode, done.stdout, done.stderr)
 
 
-needs_landlock = pytest.mark.skipif(
-    not strict_is_possible(), reason="only Landlock keeps root from writing"
-)
-
-
-@needs_landlock
+@strictly
 @pytest.mark.parametrize("log", ["none", "empty", "killed"])
 def test_a_run_on_a_read_only_medium_can_be_looked_at(
     log: str, undisturbed: Path, tmp_path: Path, robomore_: Command
 ) -> None:
     out = tmp_path / "run"
     if log == "killed":
-        killed_run(out)
+        killed_run(out, 3)
     else:
         shutil.copytree(undisturbed, out)
         for path in out.glob("ledger.sqlite-*"):
@@ -157,7 +160,7 @@ def test_a_run_on_a_read_only_medium_can_be_looked_at(
     assert count == len(rows(out)) >= 3
 
 
-@needs_landlock
+@strictly
 @pytest.mark.parametrize("there", [True, False])
 def test_a_run_is_not_started_where_it_cannot_be_written(
     there: bool, undisturbed: Path, tmp_path: Path
@@ -170,21 +173,6 @@ def test_a_run_is_not_started_where_it_cannot_be_written(
     assert "cannot write" in said.err
     if there:
         refused(read_only(tmp_path, "report", out), "made read-only")
-
-
-def killed_run(out: Path) -> None:
-    """Leave a run that was killed while it went on, its log full."""
-    life = subprocess.Popen(
-        command(*SMOKE, "--workers", "2", "--out", out), env=environment(), start_new_session=True
-    )
-    try:
-        deadline = time.monotonic() + 60
-        while len(rows(out)) < 3 and time.monotonic() < deadline:
-            time.sleep(0.02)
-    finally:
-        kill(life.pid, *descendants(life.pid))
-        life.wait()
-    assert (out / "ledger.sqlite-wal").stat().st_size
 
 
 def test_a_ledger_on_a_full_disk_is_not_called_damaged(small_disk: Path) -> None:

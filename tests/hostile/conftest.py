@@ -8,19 +8,6 @@ from typing import Any
 import pytest
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "strangers: takes minutes; run with `-m strangers` alone")
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    if "strangers" in config.getoption("markexpr"):
-        return
-    slow = [item for item in items if "strangers" in item.keywords]
-    if slow:
-        config.hook.pytest_deselected(items=slow)
-        items[:] = [item for item in items if item not in set(slow)]
-
-
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
     reports = [
         report
@@ -30,7 +17,7 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
     ]
     if not reports:
         return
-    terminalreporter.section("strangers")
+    terminalreporter.section("hostile programs")
     tests: dict[str, list[Any]] = {}
     for report in reports:
         tests.setdefault(report.nodeid.partition("[")[0].rpartition("::")[2], []).append(report)
@@ -45,4 +32,4 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
         outcomes = Counter(facts["outcome"] for facts in rows.values())
         across = sum(facts["breaches"] != "none" for facts in rows.values())
         said = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.most_common())
-        terminalreporter.write_line(f"{test}: {len(rows)} strangers: {said}; got across: {across}")
+        terminalreporter.write_line(f"{test}: {len(rows)} programs: {said}; got across: {across}")

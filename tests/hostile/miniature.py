@@ -1,6 +1,6 @@
-"""A training run in miniature, so that a hundred strangers can be let loose in seconds.
+"""A training run in miniature, so that a hundred hostile programs run in seconds.
 
-`train` runs in the contained child, as the real one does: it loads the reward, lets it judge a
+`train` runs in the sandboxed process, as the real one does: it loads the reward, lets it judge a
 robot that is a point on a line, and leaves a policy that is one number. `measure` runs in the
 parent, on that number alone.
 """
@@ -57,7 +57,7 @@ class Policy(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Claims(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What the child says of its training."""
+    """What the sandboxed process says of its training."""
 
     steps: int
     terms: dict[str, float]

@@ -1,4 +1,4 @@
-"""Strangers in whole evaluations: checked first, and with the check switched off."""
+"""Hostile programs in whole evaluations: checked first, and with the check switched off."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from attempts import Attempt, attempts
+from attempts import Attempt, attempts, parameters
 from world import World, world
 
 from robomore.evaluation import evaluate as module
 from robomore.evaluation.request import Request
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import SandboxResult, run_sandboxed
-from robomore.sandbox.layers import strict_is_possible
 from robomore.tasks import get_task
+from robomore.tasks.fingerprint import task_key
 from robomore.types import (
     Design,
     Evaluation,
@@ -25,10 +25,9 @@ from robomore.types import (
     Status,
     TrainerSettings,
 )
+from strict import strictly
 
-pytestmark = pytest.mark.skipif(
-    not strict_is_possible(), reason="this machine cannot contain a stranger"
-)
+pytestmark = strictly
 
 TASK = get_task("swimmer")
 HONEST = "def _get_rew(self, x_velocity, action):\n    return x_velocity, {'speed': x_velocity}\n"
@@ -51,7 +50,7 @@ def planted() -> Iterator[World]:
 
 @pytest.fixture(autouse=True)
 def quickly(monkeypatch: pytest.MonkeyPatch, planted: World) -> list[SandboxResult]:
-    """Evaluate with the quick trainer; returns what came out of each child."""
+    """Evaluate with the quick trainer; return the result of each sandboxed call."""
     seen: list[SandboxResult] = []
 
     def run(
@@ -77,9 +76,10 @@ def evaluate(planted: World, name: str, source: str) -> Evaluation:
         episodes=1,
         seed=1,
         limits=LIMITS,
+        task_key=task_key(TASK),
     )
     request = Request(job, key=name, scratch=str(planted.scratch(name)))
-    return module.evaluate(request, lambda steps: None)
+    return module.evaluate(request, lambda steps: None).evaluation
 
 
 def look(
@@ -90,10 +90,8 @@ def look(
     record: pytest.RecordProperty,
 ) -> None:
     """Record what came of an attempt and make sure that nothing got across."""
-    contained = (
-        seen[-1] if seen else SandboxResult(evaluation.status, diagnosis=evaluation.diagnosis)
-    )
-    breaches = planted.breaches(contained, planted.root / "scratch" / "none")
+    result = seen[-1] if seen else SandboxResult(evaluation.status, diagnosis=evaluation.diagnosis)
+    breaches = planted.breaches(result, planted.root / "scratch" / "none")
     record("attempt", attempt.words)
     record("check", "error" if evaluation.status is Status.INVALID_REWARD else "passed")
     record("outcome", evaluation.status.value)
@@ -107,7 +105,7 @@ def look(
         assert "fitness" not in evaluation.behaviour
 
 
-@pytest.mark.parametrize("attempt", attempts(), ids=lambda attempt: attempt.name)
+@pytest.mark.parametrize("attempt", parameters())
 def test_with_the_check(
     attempt: Attempt,
     planted: World,
@@ -125,8 +123,8 @@ def test_with_the_check(
     assert evaluation.status is not Status.FAILED, evaluation.diagnosis
 
 
-@pytest.mark.strangers
-@pytest.mark.parametrize("attempt", attempts(), ids=lambda attempt: attempt.name)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("attempt", parameters())
 def test_without_the_check(
     attempt: Attempt,
     planted: World,
@@ -146,8 +144,7 @@ def test_an_honest_evaluation_is_the_same_before_and_after(
     before = evaluate(planted, "honest", HONEST)
     assert before.ok, before.diagnosis
     monkeypatch.setattr(module, "check_reward", lambda source: [])
-    for attempt in attempts():
-        if attempt.name in ("cheat/patch_numpy", "cheat/small_integers", "broken/global_random"):
-            evaluate(planted, attempt.name, planted.address(attempt.source))
+    for name in ("cheat/patch_numpy", "escape/small_integers", "broken/global_random"):
+        evaluate(planted, name, planted.address(attempts()[name].source))
     after = evaluate(planted, "honest", HONEST)
     assert (after.fitness, after.terms) == (before.fitness, before.terms)

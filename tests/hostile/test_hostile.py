@@ -1,4 +1,4 @@
-"""Strangers let loose: none may get anything across the boundary, whatever becomes of them."""
+"""Hostile programs in the sandbox: none may get anything across its boundary."""
 
 from __future__ import annotations
 
@@ -6,18 +6,16 @@ from collections.abc import Iterator
 
 import msgspec
 import pytest
-from attempts import Attempt, attempts
+from attempts import Attempt, parameters
 from miniature import BEST, Claims, measure
 from world import World, encode, world
 
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import SandboxResult, run_sandboxed
-from robomore.sandbox.layers import strict_is_possible
 from robomore.types import Limits, Status
+from strict import strictly
 
-pytestmark = pytest.mark.skipif(
-    not strict_is_possible(), reason="this machine cannot contain a stranger"
-)
+pytestmark = strictly
 
 LIMITS = Limits(
     wall_seconds=12.0,
@@ -38,7 +36,7 @@ def planted() -> Iterator[World]:
         yield made
 
 
-@pytest.mark.parametrize("attempt", attempts(), ids=lambda attempt: attempt.name)
+@pytest.mark.parametrize("attempt", parameters())
 def test_nothing_gets_across(
     attempt: Attempt, planted: World, record_property: pytest.RecordProperty
 ) -> None:
@@ -46,57 +44,32 @@ def test_nothing_gets_across(
     severities = {finding.severity for finding in check_reward(source)}
     checked = next((it for it in ("error", "warning") if it in severities), "clean")
     scratch = planted.scratch(attempt.name)
-    contained = run_sandboxed(
+    result = run_sandboxed(
         "miniature:train",
         encode(source),
         scratch,
         LIMITS,
         readable=[planted.root / "readable"],
     )
-    breaches = planted.breaches(contained, scratch)
+    breaches = planted.breaches(result, scratch)
     record_property("attempt", attempt.words)
     record_property("check", checked)
-    record_property("outcome", contained.status.value)
+    record_property("outcome", result.status.value)
     record_property("breaches", "; ".join(breaches) or "none")
 
     assert not breaches
-    assert contained.status in attempt.expected, contained.diagnosis + contained.log
+    assert result.status in attempt.expected, result.diagnosis + result.log
     assert checked in attempt.check
-    assert (contained.diagnosis == "") == (contained.status is Status.OK)
-    assert len(contained.diagnosis) < 50_000
-    if contained.status is Status.OK:
-        assert _fitness(contained, planted, attempt) <= BEST
+    assert (result.diagnosis == "") == (result.status is Status.OK)
+    assert len(result.diagnosis) < 50_000
+    if result.status is Status.OK:
+        assert _fitness(result, planted, attempt) <= BEST
 
 
-KNOWN_ESCAPES = {
-    "format strings": ("escape/format_string", "escape/format_map"),
-    "walks over types": ("escape/subclasses", "escape/metaclass"),
-    "__globals__": ("escape/builtins_through_function", "escape/builtins_through_module"),
-    "frames of generators and tracebacks": ("escape/generator_frame", "escape/traceback_frame"),
-    "decorators and descriptors": ("escape/decorator", "escape/descriptor"),
-    "__reduce__": ("escape/reduce", "escape/reduce_left_behind"),
-    "ctypes through numpy": ("read/ctypes_through_numpy",),
-    "np.load, np.memmap, np.fromfile": ("read/load_pickle", "read/memmap", "read/fromfile"),
-    "hooks of warnings and codecs": ("escape/warning_hook", "escape/codec_hook"),
-    "signal handlers": ("process/alarm", "process/deaf_to_signals"),
-    "atexit": ("process/exit_hook",),
-    "threads": ("process/threads", "process/thread_left"),
-    "self.data": ("cheat/write_positions", "cheat/write_velocities"),
-    "the framework's own objects": ("cheat/patch_numpy", "cheat/patch_robomore"),
-}
-
-
-def test_the_known_escapes_are_tried_and_many_more() -> None:
-    names = {attempt.name for attempt in attempts()}
-    assert len(names) >= 120
-    for way, tried in KNOWN_ESCAPES.items():
-        assert set(tried) <= names, way
-
-
-def _fitness(contained: SandboxResult, planted: World, attempt: Attempt) -> float:
+def _fitness(result: SandboxResult, planted: World, attempt: Attempt) -> float:
     """Return what the parent measures, minus infinity where it refuses what was left behind."""
     try:
-        msgspec.json.decode(contained.reply, type=Claims)
+        msgspec.json.decode(result.reply, type=Claims)
         return measure(planted.root / "scratch" / attempt.name.replace("/", "-"))
     except (msgspec.MsgspecError, ValueError, RecursionError):
         return float("-inf")

@@ -34,12 +34,11 @@ except Exception as error:
 
 @pytest.mark.parametrize("name", REAL)
 def test_without_layers_it_gets_across(name: str) -> None:
-    attempt = next(it for it in attempts() if it.name == name)
     with world() as planted:
         scratch = planted.scratch(name)
         done = subprocess.run(
             [sys.executable, "-c", _UNPROTECTED.format(folder=str(Path(__file__).parent))],
-            input=encode(planted.address(attempt.source)),
+            input=encode(planted.address(attempts()[name].source)),
             capture_output=True,
             cwd=scratch,
             timeout=30,

@@ -12,13 +12,11 @@ from test_hostile import HONEST, LIMITS
 from world import World, encode, world
 
 from robomore.sandbox.call import run_sandboxed
-from robomore.sandbox.layers import strict_is_possible
 from robomore.training.checkpoint import load_checkpoint
 from robomore.types import Status
+from strict import strictly
 
-pytestmark = pytest.mark.skipif(
-    not strict_is_possible(), reason="this machine cannot contain a stranger"
-)
+pytestmark = strictly
 
 WORST = (
     *("cheat/patch_numpy", "cheat/forged_reply", "escape/small_integers"),
@@ -29,27 +27,25 @@ WORST = (
 
 def honest(planted: World, name: str) -> tuple[bytes, bytes, float]:
     scratch = planted.scratch(name)
-    contained = run_sandboxed("miniature:train", encode(HONEST), scratch, LIMITS)
-    assert contained.status is Status.OK, contained.diagnosis
-    return contained.reply, Path(scratch / POLICY).read_bytes(), measure(scratch)
+    result = run_sandboxed("miniature:train", encode(HONEST), scratch, LIMITS)
+    assert result.status is Status.OK, result.diagnosis
+    return result.reply, Path(scratch / POLICY).read_bytes(), measure(scratch)
 
 
 def test_numbers_stay_the_same() -> None:
     with world() as planted, ThreadPoolExecutor(2) as pool:
         alone = honest(planted, "alone")
-        for attempt in attempts():
-            if attempt.name not in WORST:
-                continue
-            stranger = pool.submit(
+        for name in WORST:
+            hostile = pool.submit(
                 run_sandboxed,
                 "miniature:train",
-                encode(planted.address(attempt.source)),
-                planted.scratch(attempt.name),
+                encode(planted.address(attempts()[name].source)),
+                planted.scratch(name),
                 LIMITS,
             )
             beside = pool.submit(honest, planted, "beside")
-            assert beside.result() == alone, attempt.name
-            stranger.result()
+            assert beside.result() == alone, name
+            hostile.result()
         assert honest(planted, "after") == alone
 
 
@@ -58,10 +54,9 @@ def test_numbers_stay_the_same() -> None:
 )
 def test_a_checkpoint_of_its_own_opens_no_way_to_anothers(name: str) -> None:
     """Where a training keeps a checkpoint it may write to one folder more, and to no other."""
-    attempt = next(it for it in attempts() if it.name == name)
     with world() as planted:
         own = planted.root / "own"
-        source = planted.address(attempt.source)
+        source = planted.address(attempts()[name].source)
         scratch = planted.scratch(name)
         for words in (source, source.replace(str(planted.root / "neighbour"), "../../neighbour")):
             ended = run_sandboxed("miniature:train", encode(words), scratch, LIMITS, writable=[own])

@@ -124,8 +124,8 @@ class Workers:
             rate = STEPS_PER_SECOND * self.draw.lognormvariate(0.0, 0.2)
             # Compiling before, measuring after.
             at += 2.0
-            for part in range(1, 11):
-                done = (steps - before) * part // 10
+            for part in range(1, 4):
+                done = (steps - before) * part // 3
                 told.append((at + done / rate, Progressed(key, before + done)))
             at += (steps - before) / rate
         told.append((at + 2.0, Finished(evaluation, trial.place, known=False)))

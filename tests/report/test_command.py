@@ -2,82 +2,125 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from dataclasses import replace
+from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from robomore.report.command import command_line, overridden, settings_name
-from robomore.settings import preset, with_trainer
+from robomore.designers.llm.designer import LLMSettings
+from robomore.options import settings_name, with_options
+from robomore.plan import Plan
+from robomore.report.command import command_line
+from robomore.settings import PRESETS, preset
 from robomore.store import Manifest
-from robomore.types import TrainerSettings
 
-
-def manifest(options: dict[str, object]) -> Manifest:
-    settings = overridden(preset("quick"), options)
-    return Manifest("ant", 1, settings_name("quick", options), "offline", "", 3, settings)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        {"steps": 5_000},
-        {"steps": 5_000, "final-steps": 7_000},
-        {"objective": "fitness", "morphologies": 2, "cycles": 1},
-        {"steps": 5_000, "trainer": "sac"},
-    ],
+VALUES = st.none() | st.booleans() | st.integers(-9, 9) | st.floats(-1, 1) | st.text("a '\"=\\")
+CHANGES = st.fixed_dictionaries(
+    {},
+    optional={
+        "method": st.sampled_from(["random", "someones"]),
+        "method_options": st.dictionaries(st.sampled_from(["rewards", "x"]), VALUES, min_size=1),
+        "trainer": st.sampled_from(["sac", "crossq"]),
+        "trainer_options": st.dictionaries(st.just("gamma"), VALUES, min_size=1),
+        "steps": st.integers(1, 10**6),
+        "final_steps": st.integers(1, 10**6),
+        "finalists": st.integers(1, 9),
+        "final_seeds": st.integers(1, 9),
+        "objective": st.sampled_from(["efficiency", "fitness"]),
+    },
 )
-def test_the_command_names_what_differs_from_the_preset(options: dict[str, object]) -> None:
-    command = command_line(manifest(options))
-    assert command is not None
+
+
+def manifest(name: str, chosen: dict[str, Any]) -> Manifest:
+    settings = with_options(preset(name), **chosen)
+    named = settings_name(name, settings)
+    return Manifest("ant", {}, named, "offline", "", 3, settings, Plan(()))
+
+
+def read(command: str) -> tuple[list[str], dict[str, Any]]:
+    """Return the words of a command that are no options of settings, and the options."""
     words = shlex.split(command)
-    expected = ["robomore", "run", "ant", "--preset", "quick", "--designer", "offline"]
-    assert words[:9] == [*expected, "--seed", "3"]
-    given = dict(zip(words[9::2], words[10::2], strict=True))
-    assert given == {f"--{name}": str(value) for name, value in options.items()}
+    fixed = {"--preset", "--designer", "--seed", "--model"}
+    chosen: dict[str, Any] = {}
+    rest = words[:3]
+    for option, value in zip(words[3::2], words[4::2], strict=True):
+        name = option.removeprefix("--").replace("-", "_")
+        if option in fixed:
+            rest += [option, value]
+        elif name.endswith("_option"):
+            key, _, text = value.partition("=")
+            chosen.setdefault(f"{name}s", {})[key] = json.loads(text)
+        else:
+            chosen[name] = int(value) if value.isdigit() else value
+    return rest, chosen
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"trainer-option": {"batch_size": 64}}, ["--trainer-option", "batch_size=64"]),
-        ({"trainer-option": {"batch_size": 64}}, ["--trainer-option", "batch_size=64"]),
-        (
-            {"trainer": "sac", "trainer-option": {"hidden": [64, 64], "target_entropy": None}},
-            [
-                *("--trainer", "sac", "--trainer-option", "hidden=[64, 64]"),
-                *("--trainer-option", "target_entropy=null"),
-            ],
-        ),
-    ],
-)
-def test_the_command_names_trainer_and_options(given: dict[str, object], words: list[str]) -> None:
-    command = command_line(manifest(given))
+@given(name=st.sampled_from(sorted(PRESETS)), chosen=CHANGES)
+def test_the_command_gives_the_same_settings(name: str, chosen: dict[str, Any]) -> None:
+    wanted = manifest(name, chosen)
+    command = command_line(wanted)
     assert command is not None
-    assert shlex.split(command)[9:] == ["--seed", "3", *words][2:]
+    rest, options = read(command)
+    assert rest == [
+        *("robomore", "run", "ant"),
+        *("--preset", name, "--designer", "offline", "--seed", "3"),
+    ]
+    settings = with_options(preset(name), **options)
+    assert settings == wanted.settings
+    # So the folder is the same too.
+    assert settings_name(name, settings) == wanted.preset
 
 
-def test_a_folder_can_be_named_after_any_option() -> None:
-    options = {"trainer": "sac", "trainer-option": {"hidden": [64, 64], "target_entropy": -2.5}}
-    assert settings_name("quick", options) == "quick-trainersac-hidden_64_64-target_entropy-2.5"
+def test_the_command_names_only_what_differs() -> None:
+    assert command_line(manifest("quick", {"steps": 5_000, "final_steps": 7_000})) == (
+        "robomore run ant --preset quick --designer offline --seed 3 --steps 5000 "
+        "--final-steps 7000"
+    )
 
 
-def test_another_trainer_starts_from_its_own_defaults() -> None:
-    smoke = preset("smoke")
-    assert smoke.trainer.options
-    assert with_trainer(smoke, "sac").trainer == TrainerSettings("sac", {})
-    same = with_trainer(smoke, smoke.trainer.name, {"rate": 1e-4}).trainer
-    assert same.options == {**smoke.trainer.options, "rate": 1e-4}
-
-
-def test_final_trainings_keep_their_proportion() -> None:
-    settings = overridden(preset("standard"), {"steps": 1_000})
-    assert (settings.candidate.steps, settings.final.steps) == (1_000, 2_000)
+def test_a_method_without_a_designer_names_none() -> None:
+    own = replace(manifest("quick", {"method": "random"}), designer="")
+    assert command_line(own) == "robomore run ant --preset quick --seed 3 --method random"
 
 
 def test_settings_that_no_option_reaches_have_no_command() -> None:
-    own = manifest({})
+    own = manifest("quick", {})
     budget = replace(own.settings.final, episodes=3)
     assert command_line(replace(own, settings=replace(own.settings, final=budget))) is None
     assert command_line(replace(own, preset="custom")) is None
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({}, "--model ollama:m"),
+        ({"server": "http://here/v1"}, "--base-url http://here/v1 --model m"),
+        ({"diversity": False, "vision": True}, "--model ollama:m --no-diversity --vision"),
+        ({"repairs": 5}, "--model ollama:m --repairs 5"),
+        ({"replayed": "content"}, None),
+    ],
+)
+def test_the_command_names_the_language_model(changed: dict[str, Any], words: str | None) -> None:
+    plain = LLMSettings()
+    settings = {
+        "model": "ollama:m",
+        "server": "",
+        "vision": False,
+        "diversity": plain.diversity,
+        "repairs": plain.repairs,
+        "history": {"tokens": plain.history.tokens, "rule": plain.history.rule},
+        "sampling": {
+            "seed": None,
+            "temperature": None,
+            "effort": None,
+            "max_output_tokens": None,
+        },
+        **changed,
+    }
+    own = replace(manifest("quick", {}), designer="llm", designer_settings=settings)
+    expected = words and f"robomore run ant --preset quick --designer llm {words} --seed 3"
+    assert command_line(own) == expected

@@ -4,21 +4,42 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ElementTree
+from contextlib import closing
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
-from fake_run import PROVENANCE, FakeRun, finished_run
+from fake_run import (
+    NASTY,
+    PROVENANCE,
+    SETTINGS,
+    FakeRun,
+    finished_run,
+    foreign_run,
+    random_run,
+    reference_run,
+)
+from robomore.designers.recorded import ATTEMPTS
 from robomore.errors import InputError
-from robomore.report import summarise, write_report
+from robomore.events import Cut
+from robomore.report import write_report
 from robomore.report.heatmap import heatmap
+from robomore.report.learning import learning_curves
 from robomore.report.page import render
 from robomore.report.plots import best_so_far, fitness_over_volume
 from robomore.report.source import highlighted
 from robomore.report.svg import Axis, axis_around
-from robomore.types import Design, Place, Status
+from robomore.runs import Run, load_run
+from robomore.runs.grid import grids
+from robomore.runs.words import with_interval
+from robomore.settings import FinalSettings
+from robomore.store import Ledger
+from robomore.store.ledger import Proposal
+from robomore.types import Design, Place, Slot, Status
 
+TIMES = "\N{MULTIPLICATION SIGN}"
 _VOID = {"meta", "br", "link", "img", "hr", "input"}
 
 
@@ -46,14 +67,44 @@ class Reader(HTMLParser):
         assert self.open.pop() == tag
 
 
+METHODS = {
+    "robomore": finished_run,
+    "random": random_run,
+    "reference": reference_run,
+    "foreign": foreign_run,
+}
+
+
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> str:
-    path = tmp_path_factory.mktemp("page")
-    finished_run(path)
-    return write_report(path).read_text(encoding="utf-8")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
+    """A finished run of each method."""
+    found = {}
+    for name, write in METHODS.items():
+        path = tmp_path_factory.mktemp(name)
+        write(path)
+        found[name] = load_run(path)
+    return found
 
 
-def test_the_page_loads_nothing_and_runs_nothing(page: str) -> None:
+@pytest.fixture(scope="module")
+def pages(runs: dict[str, Run]) -> dict[str, str]:
+    return {name: write_report(run).read_text(encoding="utf-8") for name, run in runs.items()}
+
+
+@pytest.fixture
+def page(pages: dict[str, str]) -> str:
+    return pages["robomore"]
+
+
+def in_words(page: str) -> str:
+    """Return the text of a page as a reader sees it, without its drawings."""
+    text = re.sub(r"<style.*?</style>|<svg.*?</svg>|<[^>]+>", " ", page, flags=re.DOTALL)
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_page_loads_nothing_and_runs_nothing(pages: dict[str, str], method: str) -> None:
+    page = pages[method]
     reader = Reader()
     reader.feed(page)
     assert reader.open == []
@@ -69,29 +120,91 @@ def test_what_a_designer_wrote_is_shown_as_text(page: str) -> None:
     assert "&lt;script&gt;alert" in page
 
 
-def test_the_page_tells_result_provenance_and_cautions(page: str) -> None:
-    assert "<b>7.50" in page
+def test_the_page_tells_result_provenance_and_warnings(page: str) -> None:
+    text = in_words(page)
+    assert f"7.50{TIMES} the reference design" in text
+    interval = rf"Between 7\.\d\d{TIMES} and 7\.\d\d{TIMES} \(95 % interval over training seeds\)"
+    assert re.search(interval, text)
     assert PROVENANCE in page
-    assert "The champion is the lighter robot" in page
+    assert "The champion uses less material" in page
+    assert "lighter" not in page
+    assert "±" not in page
     assert "back_radius" in page
     assert "reward-failed" in page
 
 
-def test_its_figures_are_well_formed(page: str) -> None:
-    drawn = re.findall(r"<svg.*?</svg>", page, re.DOTALL)
-    assert len(drawn) == 7
+def test_the_final_is_shown_as_two_by_two(page: str, runs: dict[str, Run]) -> None:
+    text = in_words(page)
+    pairs = runs["robomore"].pairs
+    assert pairs is not None
+    assert "The champion is the found morphology under the found reward" in text
+    assert text.count(pairs.verdict) == 1
+    for cell in (cell for row in pairs.cells for cell in row):
+        assert cell.efficiency is not None
+        assert text.count(with_interval(cell.efficiency, "m/m³")) >= 1
+    assert re.search(r"found reward reference reward found morphology 1,474 m/m³", text)
+
+
+def test_a_sentence_of_doubt_stands_once(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    run.final(run.coarse(), champion="reference")
+    text = in_words(render(load_run(tmp_path)))
+    assert text.count("Nothing that was found beats the reference design") == 1
+
+
+def test_few_seeds_have_no_ratio_in_the_headline_and_show_their_values(tmp_path: Path) -> None:
+    settings = replace(SETTINGS, final=FinalSettings(steps=4_000, episodes=4, seeds=2))
+    run = FakeRun(tmp_path, settings=settings)
+    two = (20.0, 21.0)
+    run.final(run.coarse(), two, two, two, two)
+    text = in_words(render(load_run(tmp_path)))
+    assert f"{TIMES} the reference design" not in text
+    assert "(seeds: " in text
+    assert "95 % interval" not in text
+
+
+def test_behaviour_is_labelled_with_units_and_called_a_mean(page: str) -> None:
+    text = in_words(page)
+    assert "How it moves: means over 5 training seeds forward distance (m) 13.00" in text
+    assert "forward speed (m/s) 1.300" in text
+    assert "forward_speed" not in text
+
+
+def test_the_methods_name_is_on_its_page_and_nothing_empty(pages: dict[str, str]) -> None:
+    random, reference, foreign = (in_words(pages[n]) for n in ("random", "reference", "foreign"))
+    assert "method random · seed 7" in random
+    assert "The champion is the found morphology under the reference reward" in random
+    assert "How the search found its best design" not in random
+    assert "every morphology with every reward" not in random
+    assert "What made the difference" not in reference
+    assert "What the search measured" not in reference
+    assert "method ours" in foreign
+    assert "Stage matrix: every morphology with every reward" in foreign
+    assert "evolution: generation 2, member 1" in foreign
+    for text in (random, reference, foreign):
+        assert "coarse" not in text
+        assert "fine:" not in text
+
+
+@pytest.mark.parametrize(
+    ("method", "count"), [("robomore", 10), ("random", 9), ("reference", 5), ("foreign", 10)]
+)
+def test_its_figures_are_well_formed(pages: dict[str, str], method: str, count: int) -> None:
+    drawn = re.findall(r"<svg.*?</svg>", pages[method], re.DOTALL)
+    assert len(drawn) == count
     for svg in drawn:
         ElementTree.fromstring(svg)
+        assert "nan" not in svg
 
 
 @pytest.mark.parametrize("coarse", [False, True])
 def test_a_run_that_goes_on_has_a_page_too(tmp_path: Path, coarse: bool) -> None:
     run = FakeRun(tmp_path)
     design = Design(run.morphology(0.5), run.reward(1.0))
-    run.add(design, Place(stage="coarse"), None, Status.CRASHED, "gone")
+    run.add(design, Place(stage="coarse", index=(0, 0)), None, Status.CRASHED, "gone")
     if coarse:
         run.coarse()
-    text = render(summarise(tmp_path))
+    text = render(load_run(tmp_path))
     assert ("so far" if coarse else "Nothing has been trained yet") in text
 
 
@@ -104,21 +217,105 @@ def test_a_page_that_cannot_be_written(tmp_path: Path) -> None:
 def test_a_failed_cell_says_why_and_a_missing_one_that_it_is_missing(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     design = Design(run.morphology(0.5), run.reward(1.0))
-    run.add(design, Place(stage="coarse"), None, Status.CRASHED, "it went away")
-    drawn = heatmap(summarise(tmp_path))
+    run.add(design, Place(stage="coarse", index=(0, 0)), None, Status.CRASHED, "it went away")
+    (grid,) = grids(load_run(tmp_path))
+    drawn = heatmap(grid, "efficiency")
     assert "it went away" in drawn
     assert drawn.count("not measured yet") == 11
+
+
+def test_cells_that_screening_cut_are_pale_and_say_so(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    design = Design(run.morphology(0.5), run.reward(1.0))
+    run.add(design, Place(stage="coarse", index=(0, 1)), 3.0, steps=200)
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        left_out = Place(stage="coarse", index=(1, 1))
+        ledger.noting(lambda event: None)(Cut(left_out, 0, "number 4 of 4"))
+    found = load_run(tmp_path)
+    (grid,) = grids(found)
+    drawn = heatmap(grid, "efficiency")
+    assert drawn.count('class="cut"') == 1
+    assert "after 200 steps, cut by screening" in drawn
+    assert "morphology 2 x reward 2: not tried: number 4 of 4" in drawn
+    assert drawn.count('class="cell-untried"') == 1
+    assert "Pale: cut by screening" in render(found)
+
+
+def test_the_column_of_the_reference_reward_is_labelled(runs: dict[str, Run]) -> None:
+    (grid,) = grids(runs["robomore"])
+    drawn = heatmap(grid, "efficiency")
+    assert ">reference reward<" in drawn
+    assert ">reward 1<" not in drawn
+    assert ">reward 2<" in drawn
+    (grid,) = grids(runs["foreign"])
+    assert "reference" not in heatmap(grid, "efficiency")
 
 
 def test_designs_that_move_backwards_are_drawn_at_the_edge(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     for column, fitness in enumerate((-3.0, 0.0, 5.0)):
         design = Design(run.morphology(0.5), run.reward(1.0 + column))
-        run.add(design, Place(stage="coarse", reward=column), fitness)
-    summary = summarise(tmp_path)
-    for drawn in (heatmap(summary), best_so_far(summary), fitness_over_volume(summary)):
+        run.add(design, Place(stage="coarse", index=(0, column)), fitness)
+    found = load_run(tmp_path)
+    (grid,) = grids(found)
+    for drawn in (heatmap(grid, "efficiency"), best_so_far(found), fitness_over_volume(found)):
         ElementTree.fromstring(drawn)
         assert "nan" not in drawn
+
+
+def heights(drawn: str) -> list[list[float]]:
+    """Return the heights of the points of each line of a learning curve, upwards."""
+    paths = re.findall(r'<path d="M([^"]+)" class="curve', drawn)
+    return [[-float(point.split()[1]) for point in path.split("L")] for path in paths]
+
+
+def test_learning_curves_show_every_seed_and_the_champions_terms(runs: dict[str, Run]) -> None:
+    champion, reference, terms = learning_curves(runs["robomore"])
+    assert champion.title == "Champion: return of its own reward"
+    for panel in (champion, reference):
+        lines = heights(panel.drawn)
+        assert len(lines) == 5
+        # Nothing is drawn where no episode had ended.
+        assert all(len(line) == 4 and line == sorted(line) for line in lines)
+    rising, falling = heights(terms.drawn)
+    assert rising == sorted(rising)
+    assert falling == sorted(falling, reverse=True)
+    assert [name for _, name in terms.legend] == ["forward", "<b>effort"]
+
+
+def test_names_of_terms_are_shown_as_text(page: str) -> None:
+    assert "&lt;b&gt;effort" in page
+    assert "<b>effort" not in page
+
+
+def test_without_curves_there_is_no_empty_section(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    design = Design(run.morphology(0.5), run.reward(1.0))
+    best = run.add(design, Place(stage="coarse", index=(0, 1)), 3.0)
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        ledger._execute("DELETE FROM curves")
+    found = load_run(tmp_path)
+    assert found.curve(best.key) is None
+    assert learning_curves(found) == []
+    assert "Learning curves" not in render(found)
+
+
+def test_slots_that_stayed_empty_are_on_the_page(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        for attempt in range(ATTEMPTS):
+            slot = Slot("coarse", "morphology", (1,), attempt=attempt)
+            ledger.add_proposal(Proposal(slot, failure=NASTY), "")
+    page = render(load_run(tmp_path))
+    assert "Slots that stayed empty" in page
+    assert "coarse morphology 2" in page
+    assert NASTY not in page
+
+
+def test_an_edited_task_is_named_on_the_page(tmp_path: Path) -> None:
+    run = finished_run(tmp_path)
+    replace(run.manifest, task_parts={"template": "other"}).save(run.folder.manifest)
+    assert "The task swimmer was edited after this run" in render(load_run(tmp_path))
 
 
 def test_an_axis_stands_where_it_should() -> None:

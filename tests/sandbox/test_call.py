@@ -15,20 +15,17 @@ from pathlib import Path
 import pytest
 
 from robomore.sandbox.call import Containment, SandboxResult, run_sandboxed
-from robomore.sandbox.layers import ensure, layers, strict_is_possible
+from robomore.sandbox.layers import ensure, layers
 from robomore.types import Limits, Status
+from strict import STRICT, strictly
 
 LIMITS = Limits(wall_seconds=20.0, stall_seconds=10.0)
-
-strictly = pytest.mark.skipif(
-    not strict_is_possible(), reason="strict containment is not possible on this machine"
-)
 
 
 def call(
     job: str, payload: bytes, scratch: Path, limits: Limits = LIMITS, **options: object
 ) -> SandboxResult:
-    mode = Containment.STRICT if strict_is_possible() else Containment.RELAXED
+    mode = Containment.STRICT if STRICT else Containment.RELAXED
     return run_sandboxed(
         f"sandboxed_jobs:{job}",
         payload,

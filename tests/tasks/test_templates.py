@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from robomore.envs.compile import compile_model
-from robomore.tasks import TASKS, Task, get_task
+from robomore.tasks import Task, get_task
+from robomore.tasks.registry import PAPER_TASKS
 from robomore.tasks.template import fill, names_used
 
 OFFICIAL = {
@@ -50,7 +51,7 @@ def pair(id: str) -> tuple[mujoco.MjModel, mujoco.MjModel]:
     return theirs, compile_model(task, task.reference)
 
 
-@pytest.fixture(params=TASKS.values(), ids=TASKS)
+@pytest.fixture(params=PAPER_TASKS, ids=lambda task: task.id)
 def task(request: pytest.FixtureRequest) -> Task:
     chosen: Task = request.param
     return chosen

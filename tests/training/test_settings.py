@@ -66,7 +66,7 @@ def test_a_missing_package_is_named_with_the_remedy(monkeypatch: pytest.MonkeyPa
     needing = settings.Algorithm(
         CrossQSettings, "robomore.training.crossq:CrossQ", ("json", "no_such_package"), "buy one"
     )
-    monkeypatch.setitem(settings.TRAINERS, "needing", needing)
+    monkeypatch.setitem(settings.TRAINERS._items, "needing", needing)
     with pytest.raises(InputError, match=r"needs no_such_package, .* buy one"):
         ensure_trainer(TrainerSettings("needing"))
     with pytest.raises(InputError, match="buy one"):

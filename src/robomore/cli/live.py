@@ -17,11 +17,11 @@ from rich.text import Text
 
 from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
-from robomore.monitor.progress import Progress
-from robomore.report.words import EFFICIENCY_UNIT, duration, number, place_name
+from robomore.monitor import RunState
+from robomore.runs.words import EFFICIENCY_UNIT, duration, number
 from robomore.types import Evaluation, Place
 
-_BAR = 32
+_BAR = 20
 _SECONDS_BETWEEN_LINES = 15.0
 _LONGEST = 300
 """Characters of a line that somebody else may have written."""
@@ -49,63 +49,57 @@ def watched(quiet: bool) -> Iterator[Observer]:
 class LiveView:
     """A rich renderable that follows a run."""
 
-    def __init__(self, progress: Progress | None = None) -> None:
-        self._progress = progress or Progress()
+    def __init__(self, state: RunState | None = None) -> None:
+        self._state = state or RunState()
         # Events come from the run's thread, drawing from the display's.
         self._lock = threading.Lock()
 
     def __call__(self, event: Event) -> None:
         with self._lock:
-            self._progress(event)
+            self._state(event)
 
     def __rich__(self) -> RenderableType:
         with self._lock:
-            return render(self._progress)
+            return render(self._state)
 
 
-def render(progress: Progress) -> RenderableType:
-    """Return the picture of a run's state."""
-    run = progress.run
+def render(state: RunState) -> RenderableType:
+    """Return the picture of a run's state. It fits 80 columns."""
+    run = state.run
     if run is None:
         return Text("preparing …")
-    title = Text.assemble(
-        (run.task, "bold"),
-        f"  {run.preset}, designer {run.designer}, seed {run.seed}, "
-        f"{_several(run.workers, 'worker')}",
-    )
     parts: list[RenderableType] = [
-        title,
-        Text(run.provenance, style="dim"),
+        Text.assemble((run.task, "bold"), f"  {_settings(run)}"),
+        _cut(run.provenance, "dim"),
         _cut(f"containment: {run.containment}", "dim"),
         Text(),
     ]
-    if progress.stage:
-        done = progress.asked - progress.open
+    if state.stage:
         stage = Table.grid(padding=(0, 1))
         stage.add_row(
-            Text(f"{progress.stage:6}", style="bold"),
-            ProgressBar(max(1, progress.asked), done, width=_BAR),
-            Text(f"{done}/{progress.asked}  {_counted(progress)}"),
+            Text(state.stage, style="bold"),
+            ProgressBar(max(1, state.asked), state.done, width=_BAR),
+            Text(f"{state.done}/{state.asked}  {_counted(state)}"),
         )
-        for running in progress.running.values():
-            share = f"{running.steps:,}/{running.total:,} steps"
-            stage.add_row(
-                Text("  "),
-                ProgressBar(max(1, running.total), running.steps, width=_BAR),
-                Text(f"{share:>22}  {place_name(running.place)}", style="dim"),
-            )
         parts.append(stage)
-    if progress.best:
-        parts.append(Text.assemble(("best   ", "bold"), _told(*progress.best)))
-    for idea in progress.ideas:
-        said = idea.failure or idea.idea
-        parts.append(_cut(f"{idea.slot.kind:10} {said}", "dim"))
-    if progress.spent and progress.spent.requests:
-        parts.append(Text(_spending(progress.spent), style="dim"))
-    if progress.trouble:
-        first = progress.trouble.splitlines()[0]
-        parts.append(_cut(f"last failure: {first}", "yellow"))
-    parts.append(Text(_times(progress), style="dim"))
+        training = Table.grid(padding=(0, 1))
+        for running in state.running.values():
+            where = run.plan.describe(running.place).removeprefix(f"{state.stage}: ")
+            training.add_row(
+                ProgressBar(max(1, running.total), running.steps, width=_BAR),
+                Text(f"{100 * running.steps / max(1, running.total):3.0f} %", style="dim"),
+                _cut(where, "dim"),
+            )
+        parts.append(training)
+    if state.best:
+        parts.append(Text.assemble(("best  ", "bold"), _told(state, *state.best)))
+    for idea in state.ideas:
+        parts.append(_cut(f"{idea.slot.kind:10} {idea.failure or idea.idea}", "dim"))
+    if state.spent and state.spent.requests:
+        parts.append(Text(_spending(state.spent), style="dim"))
+    if state.trouble:
+        parts.append(_cut(f"last failure: {state.trouble.splitlines()[0]}", "yellow"))
+    parts.append(Text(_times(state), style="dim"))
     return Group(*parts)
 
 
@@ -115,36 +109,34 @@ class PlainLines:
     def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
         self._stream = stream
         self._clock = clock
-        self._progress = Progress(clock)
+        self._state = RunState(clock)
         self._stage = ""
         self._last = -_SECONDS_BETWEEN_LINES
 
     def __call__(self, event: Event) -> None:
-        progress = self._progress
-        best = progress.best
-        progress(event)
-        if isinstance(event, RunBegan):
-            self._say(
-                f"{event.task}: {event.preset}, designer {event.designer}, seed {event.seed}, "
-                f"{_several(event.workers, 'worker')}, into {event.folder}"
-            )
-            self._say(event.provenance)
-            self._say(f"containment: {event.containment}")
-        elif isinstance(event, BatchBegan) and progress.stage != self._stage:
-            self._stage = progress.stage
-            self._say(f"{progress.stage} stage: {_several(progress.asked, 'evaluation')}")
-        elif isinstance(event, Proposed) and event.failure:
-            # A model's own words may be quoted in it.
-            why = "".join(c if c.isprintable() else " " for c in event.failure)[:_LONGEST]
-            self._say(f"{event.slot}, attempt {event.slot.attempt + 1}: {why}")
-        elif isinstance(event, Spent) and self._clock() - self._last >= _SECONDS_BETWEEN_LINES:
-            self._say(f"{_spending(event)}; {_times(progress)}")
-        elif isinstance(event, Finished) and not event.known:
-            better = progress.best is not best
-            late = self._clock() - self._last >= _SECONDS_BETWEEN_LINES
-            last_word = event.place.stage == "final"
-            if better or late or last_word or not event.evaluation.ok:
-                self._say(_line(progress, event, better))
+        state = self._state
+        best = state.best
+        state(event)
+        late = self._clock() - self._last >= _SECONDS_BETWEEN_LINES
+        match event:
+            case RunBegan():
+                self._say(f"{event.task}: {_settings(event)}, into {event.folder}")
+                self._say(event.provenance)
+                self._say(f"containment: {event.containment}")
+            case BatchBegan() if state.stage != self._stage:
+                self._stage = state.stage
+                self._say(f"{state.stage}: {_several(state.asked, 'evaluation')} to begin with")
+            case Proposed() if event.failure:
+                # A model's own words may be quoted in it.
+                why = "".join(c if c.isprintable() else " " for c in event.failure)[:_LONGEST]
+                self._say(f"{event.slot}, attempt {event.slot.attempt + 1}: {why}")
+            case Spent() if late:
+                self._say(f"{_spending(event)}; {_times(state)}")
+            case Finished(known=False):
+                better = state.best is not None and state.best != best
+                final = state.run and state.run.plan.stage(event.place.stage).role == "final"
+                if better or late or final or not event.evaluation.ok:
+                    self._say(_line(state, event, better))
 
     def _say(self, line: str) -> None:
         self._last = self._clock()
@@ -152,15 +144,22 @@ class PlainLines:
         self._stream.flush()
 
 
-def _line(progress: Progress, event: Finished, better: bool) -> str:
+def _settings(run: RunBegan) -> str:
+    designer = f"designer {run.designer}" if run.designer else "no designer"
+    return (
+        f"{run.preset}, method {run.settings.method.name}, {designer}, seed {run.seed}, "
+        f"{_several(run.workers, 'worker')}"
+    )
+
+
+def _line(state: RunState, event: Finished, better: bool) -> str:
     evaluation = event.evaluation
     if evaluation.ok:
-        said = ("best so far: " if better else "") + _told(evaluation, event.place)
+        said = ("best so far: " if better else "") + _told(state, evaluation, event.place)
     else:
         first = (evaluation.diagnosis.splitlines() or [""])[0]
-        said = f"{evaluation.status} ({place_name(event.place)}): {first}"
-    done = progress.asked - progress.open
-    return f"[{progress.stage} {done}/{progress.asked}] {said}; {_times(progress)}"
+        said = f"{evaluation.status} ({_where(state, event.place)}): {first}"
+    return f"[{state.stage} {state.done}/{state.asked}] {said}; {_times(state)}"
 
 
 def _spending(spent: Spent) -> str:
@@ -176,21 +175,39 @@ def _cut(line: str, style: str) -> Text:
     return Text(line, style=style, overflow="ellipsis", no_wrap=True)
 
 
-def _counted(progress: Progress) -> str:
-    said = f"{len(progress.running)} running, {progress.failed} failed"
-    if progress.known:
-        said += f", {progress.known} known from before"
-    return said
+def _counted(state: RunState) -> str:
+    said = f"{len(state.running)} running, {state.failed} failed"
+    return f"{said}, {state.known} known from before" if state.known else said
 
 
-def _told(evaluation: Evaluation, place: Place) -> str:
+def _where(state: RunState, place: Place) -> str:
+    return state.run.plan.describe(place) if state.run else place.stage
+
+
+def _told(state: RunState, evaluation: Evaluation, place: Place) -> str:
     return (
         f"{number(evaluation.efficiency)} {EFFICIENCY_UNIT} = {number(evaluation.fitness)} m / "
-        f"{number(evaluation.volume)} m³ ({place_name(place)})"
+        f"{number(evaluation.volume)} m³ ({_where(state, place)})"
     )
 
 
-def _times(progress: Progress) -> str:
-    remaining = progress.remaining()
-    said = f"{duration(progress.elapsed)} so far"
-    return f"{said}, {remaining.kind} {duration(remaining.seconds)} left" if remaining else said
+def _times(state: RunState) -> str:
+    """Return what was used of the run's limits, and about how long it still takes."""
+    run = state.run
+    said = duration(state.elapsed)
+    if run and run.time_limit is not None:
+        said += f" of {duration(run.time_limit)}"
+    said += " so far"
+    if run and run.budget_steps is not None:
+        said += f", {state.search_steps:,} of {run.budget_steps:,} control steps"
+    left = state.time_left()
+    return f"{said}, about {_roughly(left)} left" if left else said
+
+
+def _roughly(seconds: float) -> str:
+    """Return a duration without digits that an estimate does not have."""
+    if seconds < 90:
+        return f"{max(10, round(seconds, -1)):.0f} s"
+    if seconds < 2 * 3600:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"

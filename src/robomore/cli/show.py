@@ -9,124 +9,171 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from robomore.cli.output import console, write_json
+from robomore.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from robomore.report.metrics import Spread
-    from robomore.report.summary import Summary
+    from robomore.runs import Run, Spread
 
 
 def show(
-    run: Path, /, *, as_json: Annotated[bool, Parameter("--json", negative="")] = False
+    run: Path,
+    /,
+    *,
+    evaluation: str | None = None,
+    reference: Annotated[bool, Parameter(negative="")] = False,
+    as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> None:
-    """Show a run: champion and human design, counts, cost, the way there.
+    """Show a run: its champion, the reference design, which half made the difference, and the cost.
 
     Parameters
     ----------
     run
         A run's folder. The run may still go on.
+    evaluation
+        Key of one of the run's evaluations, or its beginning, instead of the champion.
+    reference
+        Show the reference design of the run's final instead of the champion.
     as_json
-        Print JSON: everything with every digit, per seed too.
+        Print JSON: everything with every digit, each training seed too.
     """
-    from robomore.report.json_export import as_data
-    from robomore.report.summary import summarise
+    from robomore.report import as_data
 
-    summary = summarise(run)
+    chosen = _chosen(run, evaluation, reference)
     if as_json:
-        write_json(as_data(summary))
+        write_json(as_data(chosen))
         return
     screen = console()
-    _print_head(screen, summary)
-    _print_designs(screen, summary)
-    _print_way(screen, summary)
-    _print_reward(screen, summary)
-    _print_cautions(screen, summary)
+    _print_head(screen, chosen)
+    _print_designs(screen, chosen)
+    _print_pairs(screen, chosen)
+    _print_lineage(screen, chosen)
+    _print_reward(screen, chosen)
+    _print_warnings(screen, chosen)
 
 
-def report(run: Path, /, *, out: Path | None = None) -> None:
+def report(
+    run: Path,
+    /,
+    *,
+    evaluation: str | None = None,
+    reference: Annotated[bool, Parameter(negative="")] = False,
+    out: Path | None = None,
+) -> None:
     """Write a run's report as one HTML file that needs nothing else.
 
     Parameters
     ----------
     run
         A run's folder. The run may still go on.
+    evaluation
+        Key of one of the run's evaluations, or its beginning, instead of the champion.
+    reference
+        Write about the reference design of the run's final instead of the champion.
     out
-        The file; by default `report.html` in the folder.
+        The file; by default `report.html` in the folder, or `report-KEY.html`.
     """
     from robomore.report import write_report
 
-    sys.stdout.write(f"{write_report(run, out)}\n")
+    sys.stdout.write(f"{write_report(_chosen(run, evaluation, reference), out)}\n")
 
 
-def print_outcome(summary: Summary) -> None:
+def print_outcome(run: Run) -> None:
     """Print what a run ended with, where the report is, and how to go on."""
     screen = console()
     screen.print()
-    _print_head(screen, summary)
-    _print_designs(screen, summary)
-    _print_cautions(screen, summary)
+    _print_head(screen, run)
+    _print_designs(screen, run)
+    _print_pairs(screen, run)
+    _print_warnings(screen, run)
     sys.stdout.write(
-        f"\nreport:   {summary.folder / 'report.html'}\n"
-        f"watch:    robomore play {summary.folder}\n"
-        f"details:  robomore show {summary.folder}\n"
+        f"\nreport:   {run.folder / 'report.html'}\n"
+        f"watch:    robomore play {run.folder}\n"
+        f"details:  robomore show {run.folder}\n"
     )
 
 
-def _print_head(screen: Console, summary: Summary) -> None:
-    from robomore.report.words import EFFICIENCY_UNIT, number
+def _chosen(path: Path, evaluation: str | None, reference: bool) -> Run:
+    """Return the run with what was asked for in the champion's place.
 
-    manifest = summary.manifest
-    state = "finished" if summary.final else "not finished"
+    Raises:
+        InputError: both were asked for, or there is no such evaluation.
+    """
+    from robomore.runs import load_run
+
+    run = load_run(path)
+    if evaluation and reference:
+        raise InputError("give --evaluation or --reference, not both")
+    if evaluation:
+        return run.focused(evaluation)
+    if reference:
+        if run.reference is None:
+            raise InputError(f"{path} has no final yet, so no reference design; run it on")
+        return run.focused(run.reference.best(run.objective).key)
+    return run
+
+
+def _print_head(screen: Console, run: Run) -> None:
+    from robomore.runs.words import number, unit_of, with_interval
+
+    manifest = run.manifest
+    designer = f", designer {manifest.designer}" if manifest.designer else ""
     screen.print(
-        f"{summary.task.title}: {manifest.preset}, designer {manifest.designer}, "
-        f"seed {manifest.seed}, {state}",
+        f"{run.task.title}: preset {manifest.preset}, method {manifest.settings.method.name}"
+        f"{designer}, seed {manifest.seed}, {'finished' if run.found else 'not finished'}",
         style="bold",
         markup=False,
     )
     screen.print(manifest.provenance, markup=False)
-    champion, ratio = summary.champion, summary.ratio
-    if champion is None or champion.efficiency is None:
+    champion = run.champion
+    score = champion.score(run.objective) if champion else None
+    if champion is None:
         screen.print("nothing has been trained yet")
-    elif ratio is None:
-        screen.print(f"{champion.name}: {number(champion.efficiency.mean)} {EFFICIENCY_UNIT}")
+    elif score is None:
+        first = champion.evaluations[0]
+        screen.print(f"{champion.name}: {first.status}. {first.diagnosis}", markup=False)
+    elif run.headline is None:
+        said = f"{champion.name}: {number(score.mean)} {unit_of(run.objective)}"
+        screen.print(said, markup=False)
     else:
-        spread = f" (± {number(ratio.std, 2)})" if ratio.std is not None else ""
+        ratio = with_interval(run.headline, digits=3)
         screen.print(
-            f"{champion.name}: {number(ratio.mean, 3)}{spread} times the human design's "
-            f"{summary.objective}",
-            style="bold green" if ratio.mean > 1 else "bold",
+            f"champion over reference, {run.objective}: {ratio}",
+            style="bold green" if run.headline.mean > 1 else "bold",
         )
+    if run.pairs and run.pairs.champion:
+        screen.print(f"The champion is {run.pairs.champion}.", markup=False)
     screen.print()
 
 
-def _print_designs(screen: Console, summary: Summary) -> None:
+def _print_designs(screen: Console, run: Run) -> None:
     from rich.table import Table
 
-    from robomore.report.words import EFFICIENCY_UNIT, duration, number
+    from robomore.runs.words import duration, number
 
-    shown = [one for one in (summary.champion, summary.human) if one]
+    shown = [one for one in (run.champion, run.reference) if one]
     table = Table(box=None, pad_edge=False)
     table.add_column("")
     for one in shown:
         table.add_column(one.name, justify="right")
-    table.add_row(f"efficiency {EFFICIENCY_UNIT}", *(_cell(one.efficiency) for one in shown))
+    table.add_row("efficiency m/m³", *(_cell(one.efficiency) for one in shown))
     table.add_row("fitness m", *(_cell(one.fitness) for one in shown))
     table.add_row("volume m³", *(number(one.volume) for one in shown))
-    table.add_row("density kg/m³", *(number(one.body.get("density")) for one in shown))
+    table.add_row("mass / volume kg/m³", *(number(one.body.get("density")) for one in shown))
     table.add_row("training seeds", *(str(len(one.evaluations)) for one in shown))
-    for parameter in summary.task.parameters:
+    for parameter in run.task.parameters:
         values = (number(one.parameters[parameter.name]) for one in shown)
         table.add_row(f"{parameter.name} {parameter.unit}", *values)
     if shown:
         screen.print(table)
-    counts = ", ".join(f"{count} {status}" for status, count in summary.counts.items())
-    cost = summary.cost
+    counts = ", ".join(f"{count} {status}" for status, count in run.counts.items())
+    cost = run.cost
     screen.print(
         f"\n{cost.evaluations} evaluations ({counts or 'none yet'}): {cost.steps:,} control steps, "
         f"{duration(cost.core_seconds)} of one core"
     )
-    spending = summary.spending
+    spending = run.spending
     if spending.requests:
         dollars = "of unknown price" if spending.unpriced else f"${spending.cost:.2f}"
         screen.print(
@@ -134,47 +181,67 @@ def _print_designs(screen: Console, summary: Summary) -> None:
         )
 
 
-def _print_way(screen: Console, summary: Summary) -> None:
+def _print_pairs(screen: Console, run: Run) -> None:
     from rich.table import Table
 
-    from robomore.report.words import EFFICIENCY_UNIT, number, place_name
+    from robomore.runs.words import unit_of
+
+    if run.pairs is None:
+        return
+    table = Table(box=None, pad_edge=False)
+    table.add_column(f"final: {run.objective} {unit_of(run.objective)}")
+    for reward in run.pairs.rewards:
+        table.add_column(reward, justify="right")
+    for morphology, row in zip(run.pairs.morphologies, run.pairs.cells, strict=True):
+        table.add_row(morphology, *(_cell(one.score(run.objective)) for one in row))
+    screen.print()
+    screen.print(table)
+    screen.print(run.pairs.verdict, markup=False)
+
+
+def _print_lineage(screen: Console, run: Run) -> None:
+    from rich.table import Table
+
+    from robomore.runs.words import number
 
     table = Table(box=None, pad_edge=False)
-    table.add_column("the way there")
-    for heading in (f"efficiency {EFFICIENCY_UNIT}", "fitness m", "volume m³"):
+    table.add_column("how the search got there")
+    for heading in ("efficiency m/m³", "fitness m", "volume m³"):
         table.add_column(heading, justify="right")
-    for step in summary.way:
-        if step.leads:
-            table.add_row(
-                place_name(step.place) if step.changed != "training" else "final: retrained",
-                _cell(step.efficiency),
-                _cell(step.fitness),
-                number(step.evaluation.volume),
-            )
+    for record in run.lineage:
+        one = record.evaluation
+        numbers = (number(value) for value in (one.efficiency, one.fitness, one.volume))
+        table.add_row(run.plan.describe(record.place), *numbers)
     if table.row_count:
         screen.print()
         screen.print(table)
 
 
-def _print_reward(screen: Console, summary: Summary) -> None:
-    if summary.champion is None:
+def _print_reward(screen: Console, run: Run) -> None:
+    if run.champion is None:
         return
-    reward = summary.champion.design.reward
+    reward = run.champion.design.reward
     screen.print(f"\nreward: {reward.idea}".rstrip(": "), markup=False)
     screen.print(reward.source.rstrip(), markup=False)
 
 
-def _print_cautions(screen: Console, summary: Summary) -> None:
-    if summary.cautions:
+def _print_warnings(screen: Console, run: Run) -> None:
+    if run.warnings:
         screen.print("\nkeep in mind")
-    for caution in summary.cautions:
-        screen.print(f"- {caution}", style="yellow", markup=False)
+    for warning in run.warnings:
+        if run.pairs is None or warning != run.pairs.verdict:
+            screen.print(f"- {warning}", style="yellow", markup=False)
 
 
 def _cell(measured: Spread | None) -> str:
-    from robomore.report.words import number
+    """Return a mean with its interval, or with its values where they are too few for one."""
+    from robomore.runs.words import number
 
     if measured is None:
         return "-"
-    spread = f" ± {number(measured.std, 2)}" if measured.std is not None else ""
-    return number(measured.mean) + spread
+    if measured.interval:
+        low, high = (number(end, 3) for end in measured.interval)
+        return f"{number(measured.mean)} [{low}, {high}]"
+    if len(measured.values) == 1:
+        return number(measured.mean)
+    return f"{number(measured.mean)} ({', '.join(number(value, 3) for value in measured.values)})"

@@ -17,7 +17,8 @@ class Transition:
         reward: (num_envs,) float64.
         terminated: (num_envs,) bool, the episode ended because the robot is unhealthy.
         truncated: (num_envs,) bool, the episode ended because its time was up.
-        final_observation: (num_envs, observation_size) float64, before any reset: what to bootstrap from.
+        final_observation: (num_envs, observation_size) float64, before any reset: what to
+            bootstrap from.
     """
 
     observation: NDArray[np.float64]

@@ -93,16 +93,15 @@ class Evaluator:
         self._drop_checkpoints(but=jobs)
         keys = [job_key(job, self.versions) for job in jobs]
         known = {key: found for key in keys if (found := self.ledger.evaluation(key))}
-        self.observe(BatchBegan(tuple(trial.place for trial in trials), len(known)))
-        for key, trial in zip(keys, trials, strict=True):
+        # Trials of equal content are told as one, in the place that comes first.
+        asked: dict[str, tuple[Job, Place]] = {}
+        for key, job, trial in zip(keys, jobs, trials, strict=True):
             self.ledger.add_place(trial.place, key)
-            if key in known:
-                self.observe(Finished(known[key], trial.place, known=True))
-        missing = {
-            key: (job, trial.place)
-            for key, job, trial in zip(keys, jobs, trials, strict=True)
-            if key not in known
-        }
+            asked.setdefault(key, (job, trial.place))
+        self.observe(BatchBegan(tuple(place for _, place in asked.values()), len(known)))
+        for key, found in known.items():
+            self.observe(Finished(found, asked[key][1], known=True))
+        missing = {key: one for key, one in asked.items() if key not in known}
         for tries_left in reversed(range(_TRIES)):
             known |= self._do(
                 missing, accept_crashes=not tries_left, leave_checkpoints=budget_fraction < 1

@@ -16,7 +16,7 @@ from typing import Protocol
 from robomore.events import RunBegan
 from robomore.plan import Plan, Stage
 from robomore.tasks import get_task
-from robomore.types import Evaluation, Place
+from robomore.types import Design, Evaluation, Place
 
 
 class Training(Protocol):
@@ -164,12 +164,13 @@ def _share_of_final(run: RunBegan, leaders: Sequence[Evaluation]) -> float:
     if not leaders:
         return 1.0
     task, count = get_task(run.task), run.settings.final.finalists
-    new = [
-        evaluation.design.reward.source != task.reward
-        and evaluation.design.morphology.parameters != task.reference
-        for evaluation in leaders
-    ]
-    return (count + 1 + 2 * fmean(new)) / (count + 3)
+
+    def beside_reference(design: Design) -> int:
+        new = design.morphology.parameters != task.reference, design.reward.source != task.reward
+        return (0, 1, 3)[sum(new)]
+
+    other = fmean(beside_reference(evaluation.design) for evaluation in leaders)
+    return (count + other) / (count + 3)
 
 
 def _passing(stage: Stage, steps: float, batches: float, workers: int) -> float:
@@ -180,6 +181,6 @@ def _passing(stage: Stage, steps: float, batches: float, workers: int) -> float:
     """
     if steps <= 0 or batches <= 0:
         return 0.0
-    one = min(stage.steps / stage.evaluations, steps)
+    one = min(stage.steps / max(1, stage.evaluations), steps)
     tail = batches * one * (1 - 1 / workers) / 2
     return max(batches * one, steps / workers + tail)

@@ -122,6 +122,15 @@ class RunState:
         return self.leaders[0] if self.leaders else None
 
     @property
+    def search_steps(self) -> int:
+        """Control steps of training that the search has used, the final left out."""
+        return sum(
+            steps
+            for name, steps in self._work.used.items()
+            if self.run is None or self.run.plan.stage(name).role != "final"
+        )
+
+    @property
     def objective(self) -> str:
         """What the search compares."""
         return self.run.settings.objective if self.run else "efficiency"
@@ -160,15 +169,14 @@ class RunState:
         self._work.finish(place, evaluation.job.steps, seconds)
         if not evaluation.ok:
             self.trouble = f"{evaluation.status}: {evaluation.diagnosis}"
-        if self.run and evaluation.ok and self._stage(place).role == "search":
-            # What was not trained to the end is not to be compared with what was.
-            if evaluation.job.steps >= self.run.settings.candidate.steps:
-                self._rank(evaluation, place, self.run.settings.final.finalists)
+        elif self._stage(place).role == "search":
+            self._rank(evaluation, place)
 
-    def _rank(self, evaluation: Evaluation, place: Place, count: int) -> None:
-        designs = [other.design for other, _ in self.leaders]
-        if evaluation.design not in designs:
+    def _rank(self, evaluation: Evaluation, place: Place) -> None:
+        if self.run is None or evaluation.job.steps < self.run.settings.candidate.steps:
+            return  # What was not trained to the end is not to be compared with what was.
+        if all(evaluation.design != other.design for other, _ in self.leaders):
             self.leaders.append((evaluation, place))
             # Equals stay in the order in which they were found.
             self.leaders.sort(key=lambda one: -(one[0].score(self.objective) or 0.0))
-            del self.leaders[count:]
+            del self.leaders[self.run.settings.final.finalists :]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from robomore.report.svg import axis_around, element, figure, hover, text
 from robomore.runs import Run
+from robomore.runs.bounds import share_of_range
 from robomore.runs.words import number, short
 from robomore.tasks import Parameter
 
@@ -38,19 +38,11 @@ def parameter_rows(run: Run) -> list[ParameterRow]:
         ParameterRow(
             parameter,
             champion=(value := values.get(parameter.name)),
-            champion_at=None if value is None else position(parameter, value),
-            reference_at=position(parameter, parameter.reference),
+            champion_at=None if value is None else 100 * share_of_range(parameter, value),
+            reference_at=100 * share_of_range(parameter, parameter.reference),
         )
         for parameter in run.task.parameters
     ]
-
-
-def position(parameter: Parameter, value: float) -> float:
-    """Return where a value stands between its bounds, in percent, on the parameter's own scale."""
-    low, high = parameter.low, parameter.high
-    if parameter.scale == "log" and low > 0:
-        low, high, value = math.log(low), math.log(high), math.log(max(value, low))
-    return 100 * min(1.0, max(0.0, (value - low) / (high - low)))
 
 
 def seed_dots(run: Run, name: str) -> str:

@@ -38,7 +38,7 @@ def learning_curves(run: Run) -> list[Panel]:
     panels = []
     groups = [(reference, "reference", "reference design")]
     if champion and run.champion_role != "reference":
-        groups.insert(0, (champion, "champion", champion.name))
+        groups = [(champion, "champion", champion.name), *groups]
     for one, kind, name in groups:
         lines = [
             (f"training seed {number}", f"curve {kind}", curve, _RETURN)
@@ -57,7 +57,7 @@ def learning_curves(run: Run) -> list[Panel]:
         ]
         if drawn := _drawn(lines, "mean for each control step"):
             legend = tuple((kind.split()[-1], name) for name, kind, _, _ in lines)
-            panels.append(Panel(f"{champion.name.capitalize()}: its reward terms", drawn, legend))
+            panels.append(Panel(f"{groups[0][2].capitalize()}: its reward terms", drawn, legend))
     return panels
 
 

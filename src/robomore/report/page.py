@@ -17,7 +17,6 @@ from robomore.report.plots import best_so_far, fitness_over_volume, stage_classe
 from robomore.report.source import highlighted
 from robomore.runs import Run, load_run
 from robomore.runs.grid import grids
-from robomore.runs.pairs import LABELS
 from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
 from robomore.store import RunFolder
 
@@ -29,14 +28,15 @@ def write_report(run: Run | Path, out: Path | None = None) -> Path:
 
     Args:
         run: a run, or its folder.
-        out: the file; `report.html` in the folder by default.
+        out: the file; `report.html` in the folder by default, `report-KEY.html` for one evaluation.
 
     Raises:
         RunFolderError: `run` is no run folder.
         InputError: the file cannot be written.
     """
     run = run if isinstance(run, Run) else load_run(run)
-    path = out or RunFolder(run.folder).report
+    usual = RunFolder(run.folder).report
+    path = out or (usual.with_name(f"report-{run.focus}.html") if run.focus else usual)
     partial = path.with_name(path.name + ".partial")
     try:
         partial.write_text(render(run), encoding="utf-8")
@@ -77,7 +77,6 @@ def render(run: Run) -> str:
         task=run.task,
         champion=run.champion,
         reference=run.reference,
-        roles=LABELS,
         unit=unit_of(run.objective),
         grids=[(grid.stage.name, heatmap(grid, run.objective)) for grid in found],
         stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
@@ -85,13 +84,13 @@ def render(run: Run) -> str:
         fitness_over_volume=fitness_over_volume(run),
         dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
         curves=learning_curves(run),
-        bodies=_bodies(run),
+        drawings=_drawings(run),
         parameters=parameter_rows(run),
         command=command_line(run.manifest),
     )
 
 
-def _bodies(run: Run) -> dict[str, Markup]:
+def _drawings(run: Run) -> dict[str, Markup]:
     """Return the drawn champion and reference morphology, at one scale."""
     # Drawing needs the simulator; reading a run without drawing it does not.
     from robomore.rendering.drawing import draw

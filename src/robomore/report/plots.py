@@ -23,9 +23,12 @@ def stage_classes(run: Run) -> dict[str, str]:
 
 
 def best_so_far(run: Run) -> str:
-    """Return the curve of the best score over the search's training, each evaluation a dot."""
+    """Return the curve of the best score over the search's training, each evaluation a dot.
+
+    One evaluation alone makes no curve.
+    """
     points = progress(run)
-    if not points:
+    if len(points) < 2:
         return ""
     level = run.reference.score(run.objective) if run.reference else None
     values = [point.score for point in points] + ([level.mean] if level else [])

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from robomore.errors import RunFolderError
+from robomore.errors import InputError, RunFolderError
 from robomore.runs.empty import empty_slots
 from robomore.runs.lineage import Record, best_of
 from robomore.runs.run import Run
@@ -27,7 +27,7 @@ def load_run(folder: str | Path) -> Run:
     Raises:
         RunFolderError: it is no run folder.
         LedgerError: its ledger is damaged.
-        InputError: its task is not installed here.
+        InputError: its task is not installed here, or has other parameters now.
     """
     path = Path(folder)
     files = RunFolder.existing(path)
@@ -47,6 +47,11 @@ def load_run(folder: str | Path) -> Run:
         # A resumed run asks again from the start, so the ledger's own order may be half old.
         sorted((Record(*pair) for pair in placed), key=lambda record: plan.position(record.place))
     )
+    if any(len(r.evaluation.design.morphology.parameters) != len(task.names) for r in records):
+        raise InputError(
+            f"{path} was made with other parameters of the task {task.id} than it has now; "
+            "install the version of the task that the run was made with"
+        )
     groups = _groups(task, records, ends[-1].body if ends else {})
     champion = groups.get("champion")
     run = Run(

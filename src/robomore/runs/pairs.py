@@ -12,14 +12,6 @@ if TYPE_CHECKING:
     from robomore.runs.run import Run
     from robomore.runs.trained import TrainedDesign
 
-LABELS = {
-    "found": "found morphology under the found reward",
-    "morphology_only": "found morphology under the reference reward",
-    "reward_only": "reference morphology under the found reward",
-    "reference": "reference design",
-}
-"""Groups of the final in words."""
-
 
 @dataclass(frozen=True, slots=True)
 class Pairs:
@@ -29,6 +21,7 @@ class Pairs:
         morphologies: what the rows are called; one row if the search changed no morphology.
         rewards: what the columns are called; one column if the search changed no reward.
         cells: the pairs, row by row; each is named after its group.
+        champion: which pair the champion is, in words.
         verdict: one sentence: what made the difference, or that it cannot be told.
         doubt: whether the verdict is a reason to doubt a half of the champion.
     """
@@ -36,6 +29,7 @@ class Pairs:
     morphologies: tuple[str, ...]
     rewards: tuple[str, ...]
     cells: tuple[tuple[TrainedDesign, ...], ...]
+    champion: str
     verdict: str
     doubt: bool
 
@@ -50,8 +44,8 @@ def crossed_pairs(run: Run) -> Pairs | None:
     same_morphology = found.parameters == reference.parameters
     if same_reward and same_morphology:
         return None
-    morphologies = ("found morphology", "reference morphology")
-    rewards = ("found reward", "reference reward")
+    morphologies: tuple[str, ...] = ("found morphology", "reference morphology")
+    rewards: tuple[str, ...] = ("found reward", "reference reward")
     cells: tuple[tuple[TrainedDesign, ...], ...]
     if same_reward:
         rewards, cells = rewards[1:], ((found,), (reference,))
@@ -60,7 +54,16 @@ def crossed_pairs(run: Run) -> Pairs | None:
     else:
         cells = ((found, morphology_only), (reward_only, reference))
     verdict, doubt = _verdict(run, cells)
-    return Pairs(morphologies, rewards, cells, verdict, doubt)
+    champion = next(
+        (
+            f"the {morphology} under the {reward}"
+            for morphology, row in zip(morphologies, cells, strict=True)
+            for reward, cell in zip(rewards, row, strict=True)
+            if cell.name == run.champion_role
+        ),
+        "",
+    )
+    return Pairs(morphologies, rewards, cells, champion, verdict, doubt)
 
 
 def _verdict(run: Run, cells: tuple[tuple[TrainedDesign, ...], ...]) -> tuple[str, bool]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +18,7 @@ from robomore.runs.lineage import Record, ancestry, best_of, same_training
 from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.statistics import Spread, ratio
 from robomore.runs.table import Row, dataframe, rows
-from robomore.runs.trained import TrainedDesign
+from robomore.runs.trained import TrainedDesign, trained_design
 from robomore.runs.warnings import warnings_about
 from robomore.settings import Objective
 from robomore.store import Ledger, Manifest, RunFolder
@@ -82,6 +82,7 @@ class Run:
         empty: slots that the designer could not fill.
         spending: on a language model; nothing where none was asked.
         task_changes: parts of the task that were edited since the run.
+        focus: key of the evaluation that stands in the champion's place (`focused`); else empty.
     """
 
     folder: Path
@@ -100,6 +101,7 @@ class Run:
     empty: tuple[EmptySlot, ...]
     spending: Spending
     task_changes: tuple[str, ...]
+    focus: str = ""
 
     # Numbers -------------------------------------------------------------------------------------
 
@@ -169,8 +171,10 @@ class Run:
 
     @cached_property
     def lineage(self) -> tuple[Record, ...]:
-        """The way to the search's best, from a first idea over each improvement."""
-        if self.found is not None:
+        """How the search found its best: a first idea, and each improvement."""
+        if self.focus:
+            key = self.focus
+        elif self.found is not None:
             parents = [
                 r.place.parent
                 for r in self.records
@@ -244,6 +248,17 @@ class Run:
             f"{said} {key!r} in {self.folder}; `robomore export {self.folder} --csv FILE` lists "
             "them all"
         )
+
+    def focused(self, key: str) -> Run:
+        """Return this run with one evaluation in the champion's place, to be shown like it.
+
+        Raises:
+            InputError: there is no such evaluation.
+        """
+        evaluation = self.evaluation(key)
+        place = next(r.place for r in self.records if r.evaluation.key == evaluation.key)
+        shown = trained_design(self.plan.describe(place), self.task, [evaluation])
+        return replace(self, champion=shown, champion_role="", final=False, focus=evaluation.key)
 
     def curve(self, key: str) -> Curve | None:
         """Return how the training of an evaluation went; `None` if it was not trained.

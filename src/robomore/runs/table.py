@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import importlib
+import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -60,18 +61,23 @@ def dataframe(found: Sequence[Row]) -> Any:
     return pandas.DataFrame(found)
 
 
+def csv_text(found: Sequence[Row]) -> str:
+    """Return rows as CSV, with a line of names first."""
+    file = io.StringIO(newline="")
+    writer = csv.DictWriter(file, list(dict.fromkeys(name for row in found for name in row)))
+    writer.writeheader()
+    writer.writerows(_plain(row) for row in found)
+    return file.getvalue()
+
+
 def write_csv(found: Sequence[Row], path: Path) -> None:
-    """Write rows as CSV in UTF-8, with a line of names first.
+    """Write rows as CSV in UTF-8.
 
     Raises:
         InputError: the file cannot be written.
     """
-    names = list(dict.fromkeys(name for row in found for name in row))
     try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, names)
-            writer.writeheader()
-            writer.writerows(_plain(row) for row in found)
+        path.write_text(csv_text(found), encoding="utf-8", newline="")
     except OSError as error:
         raise _unwritable(path, error) from None
 

@@ -34,7 +34,9 @@ def warnings_about(run: Run) -> tuple[str, ...]:
     champion = run.champion
     if champion is None:
         return (*said, "Nothing has been trained successfully yet.", *_about_slots(run))
-    if not run.final:
+    if run.focus:
+        said.append("This is one evaluation of the run, and not its champion.")
+    elif not run.final:
         said.append(
             "The run is not finished: this is the best so far, measured once, and not yet trained "
             "anew beside the reference design."

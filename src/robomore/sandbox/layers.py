@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from robomore.errors import InputError
 from robomore.sandbox.call import Containment, refused, run_sandboxed
 from robomore.sandbox.restrictions import REQUIRED, Layer, describe, missing
 from robomore.types import Limits, Status
@@ -63,15 +62,6 @@ def ensure(mode: Containment) -> list[Layer]:
     if lacking and mode is Containment.STRICT:
         raise refused(describe(lacking))
     return found
-
-
-def strict_is_possible() -> bool:
-    """Return whether this machine offers all layers that strict containment requires."""
-    try:
-        ensure(Containment.STRICT)
-    except InputError:
-        return False
-    return True
 
 
 def attempt(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:

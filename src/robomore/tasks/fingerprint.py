@@ -1,8 +1,9 @@
 """What a task consists of, as digests: an edited task is another task.
 
-Functions of a task are covered twice: by their text and what it refers to, and by their results at
-the reference and at fixed random parameters around it. The same task gives the same digests in every
-process and on every machine. Nothing is imported for it, least of all a simulator.
+The functions of a task count by their results, at the reference and at fixed random parameters
+around it, and by the text of the modules that they come from: an edit there may change a case that
+no probe meets. The same task gives the same digests in every process and on every machine. Nothing
+is imported for it, least of all a simulator.
 """
 
 from __future__ import annotations
@@ -14,8 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from robomore.identity import content_key
-from robomore.tasks.code_content import content
-from robomore.tasks.module_source import class_sources
+from robomore.tasks.own_source import own_source
 from robomore.tasks.task import Task, Values
 
 PROBES = 16
@@ -27,7 +27,8 @@ _HEX_DIGITS = 16
 def fingerprint(task: Task) -> dict[str, str]:
     """Return 16 hex digits for each part of a task, by the part's name.
 
-    Title and id are left out: no number depends on them.
+    Title and id are left out: no number depends on them. `code` is the text of the modules that the
+    task's functions come from.
     """
     return dict(_fingerprint(_Same(task)))
 
@@ -54,17 +55,18 @@ class _Same:
 def _fingerprint(same: _Same) -> dict[str, str]:
     task = same.task
     probes = [dict(zip(task.names, task.reference, strict=True)), *_probes(task)]
-    rules = [[rule.text, content(rule.violation)] for rule in task.rules]
-    violations = [_results(rule.violation, probes) for rule in task.rules]
+    functions = [task.options, task.shapes, *(rule.violation for rule in task.rules)]
+    modules = {getattr(function, "__module__", None) or "" for function in functions}
     parts: dict[str, Any] = {
         "template": task.template,
         "parameters": [dataclasses.asdict(one) for one in task.parameters],
         "constants": sorted((name, repr(value)) for name, value in task.constants.items()),
-        "options": [content(task.options), _results(task.options, probes)],
-        "rules": [rules, violations],
-        "shapes": [content(task.shapes), _results(functools.partial(_solids, task), probes)],
+        "options": _results(task.options, probes),
+        "rules": [[rule.text, _results(rule.violation, probes)] for rule in task.rules],
+        "shapes": _results(lambda values: [one.volume for one in task.shapes(values)], probes),
         "reward": task.reward,
-        "environment": [task.environment, _environment(task.environment)],
+        "environment": [task.environment, own_source(task.environment.partition(":")[0])],
+        "code": [own_source(module) for module in sorted(modules)],
         "fitness": task.fitness,
         "terrain": dataclasses.asdict(task.terrain) if task.terrain else None,
         "episode": task.episode_steps,
@@ -74,20 +76,29 @@ def _fingerprint(same: _Same) -> dict[str, str]:
     return {name: content_key(part)[:_HEX_DIGITS] for name, part in parts.items()}
 
 
-def _solids(task: Task, values: Values) -> Any:
-    shapes = task.shapes(values)
-    return shapes, sum(shape.volume for shape in shapes)
-
-
 def _results(function: Callable[[Values], Any], probes: list[dict[str, float]]) -> list[Any]:
     """Return what a function of a task gives at each probe; an exception counts by its type."""
     found = []
     for values in probes:
         try:
-            found.append(content(function(dict(values)), computed=True))
+            found.append(_plain(function(dict(values))))
         except Exception as error:  # noqa: BLE001  # any fault of a task is a fact about it
             found.append(["raised", type(error).__name__])
     return found
+
+
+def _plain(value: Any) -> Any:
+    """Return a result as data; numbers rounded, since libraries differ in their last digits."""
+    match value:
+        case dict():
+            return sorted([str(name), _plain(one)] for name, one in value.items())
+        case list() | tuple():
+            return [_plain(one) for one in value]
+        case float():
+            return f"{value:.9g}"
+        case None | bool() | int() | str():
+            return repr(value)
+    return type(value).__name__
 
 
 def _probes(task: Task) -> list[dict[str, float]]:
@@ -108,9 +119,3 @@ def _probes(task: Task) -> list[dict[str, float]]:
 def _share(name: str, index: int) -> float:
     digest = hashlib.sha256(f"{name} {index}".encode()).digest()
     return int.from_bytes(digest[:6], "big") / 2**48
-
-
-@functools.lru_cache(maxsize=64)
-def _environment(reference: str) -> dict[str, str]:
-    module, _, name = reference.partition(":")
-    return class_sources(module, name)

@@ -9,12 +9,12 @@ from __future__ import annotations
 import importlib
 import importlib.util
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from typing import Annotated, Any
 
 import msgspec
 
 from robomore.errors import InputError
+from robomore.registry import Registry
 from robomore.settings import from_options
 from robomore.training.trainer import Trainer
 from robomore.types import TrainerSettings
@@ -149,19 +149,27 @@ class Algorithm:
     remedy: str = ""
 
 
-TRAINERS: dict[str, Algorithm] = {
-    "crossq": Algorithm(CrossQSettings, "robomore.training.crossq:CrossQ"),
-    "sac": Algorithm(SACSettings, "robomore.training.sac:SAC"),
-    "sb3": Algorithm(
-        SB3Settings,
-        "robomore.training.sb3:SB3",
-        needs=("stable_baselines3", "torch"),
-        remedy='pip install "robomore[sb3]"; it brings PyTorch, and where the small build for '
-        "processors alone is wanted, install that one first",
-    ),
-}
-"""Algorithms by name. Other packages add theirs as entry points of the group `robomore.trainers`;
-each is an `Algorithm`."""
+def _fault(name: str, found: object) -> str:
+    return "" if isinstance(found, Algorithm) else f"is a {type(found).__name__}, no Algorithm"
+
+
+TRAINERS: Registry[Algorithm] = Registry(
+    "trainer",
+    "robomore.trainers",
+    {
+        "crossq": Algorithm(CrossQSettings, "robomore.training.crossq:CrossQ"),
+        "sac": Algorithm(SACSettings, "robomore.training.sac:SAC"),
+        "sb3": Algorithm(
+            SB3Settings,
+            "robomore.training.sb3:SB3",
+            needs=("stable_baselines3", "torch"),
+            remedy='pip install "robomore[sb3]"; it brings PyTorch, and where the small build for '
+            "processors alone is wanted, install that one first",
+        ),
+    },
+    _fault,
+)
+"""Algorithms by name."""
 
 
 def settings_from(trainer: TrainerSettings) -> Any:
@@ -170,7 +178,7 @@ def settings_from(trainer: TrainerSettings) -> Any:
     Raises:
         InputError: unknown algorithm or option, or a value of the wrong kind or out of range.
     """
-    cls = _algorithm(trainer.name).settings
+    cls = TRAINERS.get(trainer.name).settings
     return from_options(cls, trainer.options, f"trainer {trainer.name}")
 
 
@@ -192,7 +200,7 @@ def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
             "are random actions; give it more --steps, or fewer random actions with "
             "--trainer-option learning_starts=NUMBER"
         )
-    algorithm = _algorithm(trainer.name)
+    algorithm = TRAINERS.get(trainer.name)
     missing = [name for name in algorithm.needs if importlib.util.find_spec(name) is None]
     if missing:
         raise InputError(
@@ -207,7 +215,7 @@ def packages_for(trainer: TrainerSettings) -> tuple[str, ...]:
     Raises:
         InputError: unknown algorithm.
     """
-    return _algorithm(trainer.name).needs
+    return TRAINERS.get(trainer.name).needs
 
 
 def make_trainer(trainer: TrainerSettings) -> Trainer:
@@ -218,19 +226,6 @@ def make_trainer(trainer: TrainerSettings) -> Trainer:
     """
     ensure_trainer(trainer)
     settings = settings_from(trainer)
-    module, _, name = _algorithm(trainer.name).trainer.partition(":")
+    module, _, name = TRAINERS.get(trainer.name).trainer.partition(":")
     made: Trainer = getattr(importlib.import_module(module), name)(settings)
     return made
-
-
-def _algorithm(name: str) -> Algorithm:
-    if name in TRAINERS:
-        return TRAINERS[name]
-    plugins = {point.name: point for point in entry_points(group="robomore.trainers")}
-    if name not in plugins:
-        names = ", ".join(sorted({*TRAINERS, *plugins}))
-        raise InputError(f"there is no trainer {name!r}; choose one of {names}")
-    algorithm = plugins[name].load()
-    if not isinstance(algorithm, Algorithm):
-        raise InputError(f"the entry point of trainer {name!r} is not an Algorithm")
-    return algorithm

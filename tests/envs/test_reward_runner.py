@@ -149,6 +149,9 @@ def test_forces_are_computed_for_robots_that_do_not_observe_them(task: str) -> N
         "self.reset(seed=0)",
         "self.step(action)",
         "self.mujoco_renderer.data.qpos[0] = 100.0",
+        "np.copyto(self.data.qvel, 9.0)",
+        "self.data.xfrc_applied[:] = 9.0",
+        "self.data.contact[0].dist = 1.0",
     ],
 )
 def test_a_reward_cannot_change_the_physics(attack: str) -> None:

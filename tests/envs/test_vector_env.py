@@ -57,7 +57,8 @@ def test_sizes(task: str) -> None:
 
 @pytest.mark.parametrize("task", OFFICIAL)
 def test_same_seed_same_numbers_and_every_simulation_its_own(task: str) -> None:
-    batch, again = simulations(task, 3), simulations(task, 3)
+    reward = reward_function(STATEFUL)
+    batch, again = simulations(task, 3, reward), simulations(task, 3, reward)
     first = batch.reset(7)
     assert np.array_equal(first, again.reset(7))
     assert len(np.unique(first[:, 0])) == 3

@@ -19,7 +19,7 @@ from robomore.tasks import TASKS
 
 def test_every_task_is_registered_once() -> None:
     assert set(ENVIRONMENTS.values()) == set(TASKS)
-    assert all(task.episode_steps == EPISODE_STEPS for task in TASKS.values())
+    assert all(task.episode_steps == EPISODE_STEPS for _, task in TASKS.items())
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         register()

@@ -13,7 +13,8 @@ import pytest
 from robomore.envs import union
 from robomore.envs.compile import body_facts, compile_model
 from robomore.errors import InvalidMorphology
-from robomore.tasks import TASKS, Task, get_task
+from robomore.tasks import Task, get_task
+from robomore.tasks.registry import PAPER_TASKS
 
 HUMAN = {  # mass in kg, density in kg/m^3, height of the torso in m
     "ant": (0.910880, 5, math.hypot(0.4, 0.4) + 0.15),
@@ -27,7 +28,7 @@ HUMAN = {  # mass in kg, density in kg/m^3, height of the torso in m
 }
 
 
-@pytest.fixture(params=TASKS.values(), ids=TASKS)
+@pytest.fixture(params=PAPER_TASKS, ids=lambda task: task.id)
 def task(request: pytest.FixtureRequest) -> Task:
     chosen: Task = request.param
     return chosen
@@ -70,7 +71,7 @@ def test_refused_parameters_are_not_compiled(task: Task) -> None:
 def test_what_mujoco_refuses_is_an_invalid_morphology() -> None:
     swimmer = get_task("swimmer")
     broken = replace(swimmer, template=swimmer.template.replace('size="{back_radius}"', 'size="0"'))
-    with pytest.raises(InvalidMorphology, match=r"swimmer: MuJoCo refuses this body: .*size"):
+    with pytest.raises(InvalidMorphology, match=r"swimmer: MuJoCo refuses this morphology: .*size"):
         compile_model(broken, swimmer.reference)
 
 

@@ -7,9 +7,9 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from bodies import at, random_body
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from random_morphologies import at, random_body
 
 from robomore.envs.compile import body_facts, compile_model
 from robomore.envs.vector_env import VectorEnv

@@ -1,0 +1,95 @@
+"""Reasons to doubt a champion are found from the numbers, and only where they hold."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+from fake_run import SETTINGS, FakeRun, finished_run
+from robomore.runs import load_run
+from robomore.store import Ledger
+from robomore.types import Design, Morphology, Place, Status
+
+STEADY = (20.0, 20.1, 20.2, 20.3, 20.4)
+
+
+def said(path: Path) -> str:
+    return " ".join(load_run(path).warnings)
+
+
+def test_a_champion_that_only_shrank_uses_less_material(tmp_path: Path) -> None:
+    finished_run(tmp_path)
+    found = said(tmp_path)
+    assert "uses less material, but it does not do better" in found
+    assert "13.00 m against 21.00 m" in found
+    assert "lighter" not in found
+
+
+def test_a_sound_result_has_no_warning(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    best = run.add(
+        Design(run.morphology(0.5), run.reward(3.0)), Place(stage="coarse", index=(0, 1)), 31.0
+    )
+    high = tuple(value + 10 for value in STEADY)
+    run.final(best, found=high, reference=STEADY, morphology_only=STEADY, reward_only=STEADY)
+    assert load_run(tmp_path).warnings == ()
+
+
+def test_an_unfinished_run_says_so_first(tmp_path: Path) -> None:
+    FakeRun(tmp_path).coarse()
+    assert load_run(tmp_path).warnings[0].startswith("The run is not finished")
+
+
+def test_nothing_trained_is_all_there_is_to_say(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    design = Design(run.morphology(0.5), run.reward(1.0))
+    run.add(design, Place(stage="coarse", index=(0, 0)), None, Status.CRASHED, "gone")
+    assert load_run(tmp_path).warnings == ("Nothing has been trained successfully yet.",)
+
+
+def test_few_seeds_and_luck_are_named(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    run.final(run.fine(run.coarse()), (2.0, 3.0), (1.0, 1.0), (1.0, 1.0), (1.0, 1.0))
+    found = said(tmp_path)
+    assert "Only 2 training seeds in the final" in found
+    assert "partly luck" in found
+
+
+def test_a_reference_that_gets_nowhere_is_named(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    run.final(run.coarse(), reference=(-1.0, 0.0, -0.5, -0.2, 0.1))
+    assert "did not get anywhere at this budget" in said(tmp_path)
+
+
+def test_the_smoke_preset_is_named(tmp_path: Path) -> None:
+    FakeRun(tmp_path, preset="smoke-random").coarse()
+    assert "smoke preset only checks" in said(tmp_path)
+
+
+def test_failed_trainings_of_the_final_are_counted(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path, settings=replace(SETTINGS, objective="fitness"))
+    run.final(run.coarse())
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        one = load_run(tmp_path).champion
+        assert one is not None
+        failed = replace(one.evaluations[0], status=Status.UNSTABLE, fitness=None, efficiency=None)
+        ledger.add_evaluation(failed)
+    assert "1 of 5 final trainings of the champion design failed (unstable)" in said(tmp_path)
+
+
+def test_matter_denser_than_steel_is_named(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    best = run.coarse()
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        ledger.add_evaluation(replace(best, body={"mass": 1.0, "density": 9_000.0}))
+    assert "impossibly dense matter" in said(tmp_path)
+
+
+def test_parameters_at_their_bounds_are_named(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    ends = {"front_length": 3.0, "back_length": 2.995}
+    values = tuple(ends.get(p.name, p.reference) for p in run.task.parameters)
+    design = Design(Morphology(values), run.reward(1.0))
+    run.add(design, Place(stage="coarse", index=(0, 1)), 5.0)
+    assert "front_length, back_length stand at their bounds" in said(tmp_path)
