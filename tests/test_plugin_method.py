@@ -59,7 +59,7 @@ def test_it_runs_with_progress_report_show_compare_and_resume(
     command = (*command, "--method-option", "neighbours=3", "--executor", "untrained")
     done = robomore(installed, *command)
     assert done.returncode == 0, done.stderr
-    assert "climb stage" in done.stderr, "its stages are told as it goes on"
+    assert "climb: " in done.stderr, "its stages are told as it goes on"
     again = robomore(installed, *command, "--json")
     first = json.loads(again.stdout)
     assert first["final"] and first["champion"]["efficiency"] > 0
