@@ -109,7 +109,7 @@ class Job:
         task: id of the task.
         design: what is trained.
         trainer: how it is trained.
-        steps: control steps of training in all, counted over all simulations.
+        steps: control steps of training in all, over all environments together.
         episodes: episodes of the final measurement, each with its own seed.
         seed: seeds training; the measurement derives its own seeds from it.
         limits: when to give up.

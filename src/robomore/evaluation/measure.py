@@ -71,16 +71,14 @@ def measure(
         TrainingDiverged: the policy does not fit the body (a child may have written anything).
         UnstableSimulation: the physics diverged over and over.
     """
-    simulations = VectorEnv(
-        task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False
-    )
-    expected = simulations.observation_size, simulations.action_size
+    env = VectorEnv(task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False)
+    expected = env.observation_size, env.action_size
     if (policy.weights[0].shape[0], policy.weights[-1].shape[1]) != expected:
         raise TrainingDiverged("the policy that came out of training does not fit the robot")
     seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
-    run = rollout(policy, simulations, seeds)
+    run = rollout(policy, env, seeds)
     worth = run.distance if task.fitness == "distance" else run.highest
-    step_seconds = float(simulations.environment.dt)
+    step_seconds = float(env.environment.dt)
     return Measurement(
         fitness=float(worth.mean()),
         episode_fitness=tuple(float(value) for value in worth),
