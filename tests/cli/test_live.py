@@ -76,12 +76,8 @@ def test_a_method_that_asks_no_designer_says_so(state: RunState) -> None:
 def test_the_live_view_can_be_drawn_at_any_moment(clock: Clock) -> None:
     view = LiveView(RunState(clock))
     Console(file=io.StringIO()).print(view)
-    for event in (
-        BEGAN,
-        BatchBegan(GRID, 0),
-        Started("a", GRID[0], 1_000),
-        BatchBegan((LATER,), 0),
-    ):
+    started = Started("a", GRID[0], 1_000)
+    for event in (BEGAN, BatchBegan(GRID, 0), started, BatchBegan((LATER,), 0)):
         view(event)
         Console(file=io.StringIO()).print(view)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import sys
 import traceback
@@ -17,21 +18,21 @@ from robomore.errors import InputError, Interrupted, RoboMoReError
 COMMANDS = {
     "tasks": ("robomore.cli.tasks:tasks", "List the tasks."),
     "inspect": ("robomore.cli.tasks:inspect", "Show one robot: volume, mass, MJCF, a picture."),
-    "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),
     "run": ("robomore.cli.run:run", "Search for the best morphology and reward for a task."),
     "show": ("robomore.cli.show:show", "Show a run: champion, reference, how it got there."),
-    "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
+    "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
+    "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),
     "compare": ("robomore.cli.tables:compare", "Put runs side by side."),
     "export": ("robomore.cli.tables:export", "Write every evaluation of a run as one table."),
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
     "check-reward": (
         "robomore.cli.sandbox:check_reward",
-        "Say what is wrong with a reward, without running it.",
+        "Check a reward for errors without running it.",
     ),
     "doctor": ("robomore.cli.sandbox:doctor", "Check which sandbox layers this machine offers."),
-    "prompt": ("robomore.cli.prompt:prompt", "Print what a language model would be told."),
     "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
+    "prompt": ("robomore.cli.prompt:prompt", "Print what a language model would be told."),
 }
 """Name -> (`module:function`, one line of help), in the order in which they are shown."""
 
@@ -39,20 +40,25 @@ DONE, FAILED, MISUSED, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses: all well; the work failed; nothing was started; stopped by the user."""
 
 
-def application() -> App:
-    """Return the application with all commands; their modules are not loaded yet."""
+def application(used: str = "") -> App:
+    """Return the application with all commands; their modules are not loaded yet.
+
+    Args:
+        used: name of the command that is run; its `--help` says more than one line.
+    """
     app = App(
         name="robomore",
-        help="Co-design of robot bodies and rewards: proposed, trained in MuJoCo, refined.\n\n"
-        "`--debug` with any command shows where an error came from.",
+        help="Search for a robot's morphology and its reward together. Each design is trained in "
+        "MuJoCo.\n\n`--debug` with any command shows where an error came from.",
         version=__version__,
+        version_flags=["--version", "-V"],
         # Markdown would be rendered by a library that takes longer to load than all else.
         help_format="plaintext",
         # `main` says how a command that is stopped ends.
         suppress_keyboard_interrupt=False,
     )
     for position, (name, (target, help_line)) in enumerate(COMMANDS.items()):
-        app.command(target, name=name, help=help_line, sort_key=position)
+        app.command(target, name=name, help=None if name == used else help_line, sort_key=position)
     return app
 
 
@@ -66,8 +72,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     debug = "--debug" in given
     given = [argument for argument in given if argument != "--debug"]
     try:
-        with _sigterm_as_ctrl_c():
-            status = application()(
+        with _sigterm_as_ctrl_c(), _warnings_as_lines():
+            status = application(given[0] if given else "")(
                 given, exit_on_error=False, print_error=False, result_action="return_value"
             )
         return status if isinstance(status, int) else DONE
@@ -106,6 +112,25 @@ def _ending(error: BaseException, given: Sequence[str]) -> tuple[str, int]:
 
 def _one_line(error: BaseException) -> str:
     return " ".join(str(error).split())
+
+
+class _Lines(logging.Handler):
+    """Writes a warning as one line."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        said = " ".join(record.getMessage().split())
+        sys.stderr.write(f"robomore: {record.levelname.lower()}: {said}\n")
+
+
+@contextmanager
+def _warnings_as_lines() -> Iterator[None]:
+    """Show what the library warns of while a command runs."""
+    log, lines = logging.getLogger("robomore"), _Lines(logging.WARNING)
+    log.addHandler(lines)
+    try:
+        yield
+    finally:
+        log.removeHandler(lines)
 
 
 @contextmanager

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import msgspec
 from cyclopts import Parameter
 
-from robomore.cli.inputs import new_folder, positive, read_options, read_parameters, read_reward
+from robomore.cli.inputs import (
+    new_folder,
+    positive,
+    read_options,
+    read_parameters,
+    read_reward,
+    seed_number,
+)
 from robomore.cli.output import console, write_json
 
 if TYPE_CHECKING:
@@ -44,17 +51,18 @@ def evaluate(
     reward
         `reference`, or a Python file that defines `_get_rew(self, x_velocity, action)`.
     preset
-        Whose trainer and budget are used: `smoke`, `quick`, `standard` or `paper`.
+        Preset whose trainer and budget are used: `smoke`, `quick`, `standard` or `paper`.
     steps
         Control steps of training, instead of the preset's.
     trainer
-        What trains the policy, with its own defaults: `crossq` (the presets'), `sac` (the paper's
-        algorithm and settings), `sb3` (the same through Stable-Baselines3; the extra `sb3`).
+        The algorithm, with its own defaults: `crossq` (that of the presets), `sac` (the paper's
+        algorithm and settings) or `sb3` (the same through Stable-Baselines3; needs the extra
+        `sb3`).
     trainer_option
-        One setting of the trainer, as NAME=VALUE: `batch_size=512`, `hidden=[256,256]`. May be
+        One option of the trainer, as NAME=VALUE: `batch_size=512`, `net_arch=[256,256]`. May be
         given several times.
     seed
-        Of training and measuring.
+        Seed of training and measuring.
     out
         Keep design and policy in this folder, for `robomore play`.
     containment
@@ -68,7 +76,9 @@ def evaluate(
     from robomore.tasks import get_task
 
     positive(steps=steps)
-    settings = with_trainer(settings_of(preset), trainer, read_options(trainer_option or []))
+    seed_number(seed)
+    options = read_options("trainer-option", trainer_option, "batch_size=512")
+    settings = with_trainer(settings_of(preset), trainer, options)
     chosen = get_task(task)
     values = read_parameters(chosen, parameters)
     source = read_reward(chosen, reward)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -74,24 +75,40 @@ def read_reward(task: Task, given: str) -> str:
     return source
 
 
-def read_options(given: Sequence[str]) -> dict[str, Any]:
+def read_options(option: str, given: Sequence[str] | None, example: str) -> dict[str, Any]:
     """Return `name=value` pairs by name: values are JSON, and text where they are not.
+
+    Args:
+        option: name of the command's option.
+        given: what it was given, each time.
+        example: a pair that it takes.
 
     Raises:
         InputError: one of them is no such pair.
     """
     options: dict[str, Any] = {}
-    for pair in given:
+    for pair in given or ():
         name, equals, value = pair.partition("=")
         if not (name and equals):
-            raise InputError(
-                f"--trainer-option {pair!r} is no NAME=VALUE; write batch_size=512, for example"
-            )
+            raise InputError(f"--{option} {pair!r} is no NAME=VALUE; write {example}, for example")
         try:
             options[name] = json.loads(value)
         except ValueError:
             options[name] = value
     return options
+
+
+def read_duration(option: str, given: str) -> float:
+    """Return a time such as `90`, `90s`, `30m` or `2h` in seconds.
+
+    Raises:
+        InputError: it is none, or not above 0.
+    """
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", given.strip())
+    seconds = float(found[1]) * {None: 1, "s": 1, "m": 60, "h": 3600}[found[2]] if found else 0.0
+    if not seconds:
+        raise InputError(f"--{option} {given} is no time; write 90s, 30m or 2h")
+    return seconds
 
 
 def read_text(path: Path, remedy: str) -> str:
@@ -117,6 +134,16 @@ def positive(**numbers: int | None) -> None:
     for name, value in numbers.items():
         if value is not None and value < 1:
             raise InputError(f"--{name.replace('_', '-')} is {value}; give a number from 1 up")
+
+
+def seed_number(seed: int) -> None:
+    """Refuse a seed below 0.
+
+    Raises:
+        InputError: it is below 0.
+    """
+    if seed < 0:
+        raise InputError(f"--seed is {seed}; give a whole number from 0 up")
 
 
 def new_folder(path: Path) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import App, Parameter
+from cyclopts import App, Group, Parameter
 
 from robomore.errors import InputError
 
@@ -27,7 +27,7 @@ _STRUCTURED = {
 _TRIES_OF_CHECK = 2
 
 
-@Parameter(name="*", group="Language model")
+@Parameter(name="*", group=Group("Language model", sort_key=5))
 @dataclass(frozen=True, kw_only=True)
 class ModelOptions:
     """The language model that designs, how it is used, and what it may cost.
@@ -84,7 +84,7 @@ class ModelOptions:
     max_output_tokens: int | None = None
 
 
-@Parameter(name="*", group="Replay")
+@Parameter(name="*", group=Group("Replay", sort_key=6))
 @dataclass(frozen=True, kw_only=True)
 class ReplayOptions:
     """The recorded exchanges that a replay uses.
@@ -102,8 +102,8 @@ class ReplayOptions:
 
 
 def chosen(
-    designer: str, model: ModelOptions | None, replay: ReplayOptions | None
-) -> str | LanguageModel | Replay:
+    designer: str | None, model: ModelOptions | None, replay: ReplayOptions | None
+) -> str | LanguageModel | Replay | None:
     """Return the designer that was chosen. `None` stands for options that were not given.
 
     Raises:
@@ -111,6 +111,9 @@ def chosen(
     """
     from robomore.designers import LanguageModel, Replay
 
+    if designer is None and model is None and replay is None:
+        return None
+    designer = designer or "offline"
     if model is not None and designer != LanguageModel.name:
         raise InputError(
             f"options of a language model were given, but the designer is {designer!r}; "

@@ -1,21 +1,39 @@
-"""`robomore methods`: the ways to search, and the options of each."""
+"""`robomore methods`: the search methods that there are, and the options of each."""
 
 from __future__ import annotations
 
 import ast
 import inspect
-import sys
 import textwrap
-from dataclasses import fields
-from typing import Annotated, Any
+from dataclasses import asdict, dataclass, fields, is_dataclass
+from types import NoneType
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
+import msgspec
 from cyclopts import Parameter
 
-from robomore.cli.output import write_json
+from robomore.cli.output import console, write_json
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """One option of a method.
+
+    Attributes:
+        name: as in `--method-option NAME=VALUE`.
+        type: what values it takes, in words.
+        default: its value if it is not given.
+        meaning: in a sentence or two.
+    """
+
+    name: str
+    type: str
+    default: Any
+    meaning: str
 
 
 def methods(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False) -> None:
-    """List the search methods and their options.
+    """List the search methods with their options.
 
     Parameters
     ----------
@@ -24,64 +42,99 @@ def methods(*, as_json: Annotated[bool, Parameter("--json", negative="")] = Fals
     """
     from robomore.search import METHODS
 
-    found: list[dict[str, Any]] = [
-        {
-            "name": name,
-            "summary": method.summary,
-            "needs_designer": method.needs_designer,
-            "options": _options(method.Settings),
-        }
-        for name, method in METHODS.items()
-    ]
+    found = [(name, method, options_of(method.Settings)) for name, method in METHODS.items()]
     if as_json:
-        write_json(found)
+        write_json(
+            [
+                {
+                    "name": name,
+                    "summary": method.summary,
+                    "needs_designer": method.needs_designer,
+                    "options": [asdict(option) for option in options],
+                }
+                for name, method, options in found
+            ]
+        )
         return
-    lines = []
-    for method in found:
-        lines.append(f"{method['name']}: {method['summary']}")
-        for option in method["options"]:
-            lines.append(f"  {option['name']} = {option['default']}")
-            lines += textwrap.wrap(
-                option["meaning"], 76, initial_indent="      ", subsequent_indent="      "
-            )
-        lines.append("")
-    lines.append("`robomore run TASK --method NAME --method-option OPTION=VALUE` uses one.")
-    sys.stdout.write("\n".join(lines) + "\n")
+    screen = console()
+    for name, method, options in found:
+        asks = "" if method.needs_designer else " (asks no designer)"
+        screen.print(f"[bold]{name}[/]  {method.summary}{asks}")
+        for option in options:
+            default = msgspec.json.encode(option.default).decode()
+            screen.print(f"  {option.name}={default}  ({option.type})", markup=False)
+            for line in textwrap.wrap(option.meaning, 72):
+                screen.print(f"      {line}", markup=False)
+        screen.print()
+    screen.print(
+        "These are the defaults; a preset sets some options to other values. Use them with\n"
+        "robomore run TASK --method NAME --method-option OPTION=VALUE",
+        markup=False,
+    )
 
 
-def _options(settings: type[Any]) -> list[dict[str, Any]]:
-    """Return the options of a settings class; the text below a field says what it means."""
-    meanings = _texts_below_fields(settings)
-    defaults = settings()
+def options_of(settings: type[Any]) -> list[Option]:
+    """Return the options of a method's settings class, in its order."""
+    hints = get_type_hints(settings, include_extras=True)
+    meanings = _docstrings(settings)
+    plain = settings()
     return [
-        {
-            "name": field.name,
-            "default": _plain(getattr(defaults, field.name)),
-            "meaning": " ".join(meanings.get(field.name, "").split()),
-        }
+        Option(
+            field.name,
+            _in_words(hints[field.name]),
+            msgspec.to_builtins(getattr(plain, field.name)),
+            meanings.get(field.name, ""),
+        )
         for field in fields(settings)
     ]
 
 
-def _plain(value: Any) -> str:
-    """Return a default as it is given on the command line."""
-    import msgspec
-
-    return value if isinstance(value, str) else msgspec.json.encode(value).decode()
-
-
-def _texts_below_fields(settings: type[Any]) -> dict[str, str]:
-    try:
-        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(settings))).body
-    except (OSError, SyntaxError, ValueError):
-        return {}
-    assert isinstance(tree, ast.ClassDef)
+def _docstrings(cls: type[Any]) -> dict[str, str]:
+    """Return the text under each field of a dataclass, those that it inherits among them."""
     found: dict[str, str] = {}
-    for before, after in zip(tree.body, tree.body[1:], strict=False):
-        match before, after:
-            case (
-                ast.AnnAssign(target=ast.Name(id=name)),
-                ast.Expr(value=ast.Constant(value=str(text))),
-            ):
-                found[name] = text
+    for owner in reversed(cls.__mro__[:-1]):
+        try:
+            (body,) = ast.parse(textwrap.dedent(inspect.getsource(owner))).body
+        except (OSError, TypeError):  # It was not written in a file.
+            continue
+        assert isinstance(body, ast.ClassDef)
+        for field, text in zip(body.body, body.body[1:], strict=False):
+            match field, text:
+                case (
+                    ast.AnnAssign(target=ast.Name(id=name)),
+                    ast.Expr(value=ast.Constant(value=str(said))),
+                ):
+                    found[name] = " ".join(said.split())
     return found
+
+
+def _in_words(hint: Any) -> str:
+    """Return what values a type takes."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        base, *metas = parts
+        limits = [
+            f"{word} {value:g}"
+            for meta in metas
+            if isinstance(meta, msgspec.Meta)
+            for word, value in (
+                ("at least", meta.ge),
+                ("above", meta.gt),
+                ("at most", meta.le),
+                ("below", meta.lt),
+            )
+            if value is not None
+        ]
+        return ", ".join([_in_words(base), *limits])
+    if origin is Literal:
+        return " or ".join(str(value) for value in parts)
+    if origin is tuple and parts[-1] is Ellipsis:
+        return f"list of {_in_words(parts[0])}"
+    if origin in (tuple, list):
+        return f"list of {', '.join(map(_in_words, parts))}"
+    if parts:
+        return "; or ".join(_in_words(part) for part in parts)
+    if is_dataclass(hint):
+        return "{" + ", ".join(field.name for field in fields(hint)) + "}"
+    names = {int: "whole number", float: "number", str: "text", bool: "true or false"}
+    return "null" if hint in (NoneType, None) else names.get(hint, str(hint))

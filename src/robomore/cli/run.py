@@ -3,148 +3,99 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
 
-from robomore.cli.inputs import positive, read_options
+from robomore.cli.inputs import seed_number
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen, forecast
 from robomore.cli.output import write_json
+from robomore.cli.run_options import Final, Machine, Search, Training, settings_of
+
+if TYPE_CHECKING:
+    from robomore.designers import LanguageModel, Replay
+
+_OUTPUT = Group("Output", sort_key=8)
 
 
 def run(
     task: str,
     /,
     *,
-    preset: str = "quick",
-    designer: str = "offline",
     seed: int = 0,
-    workers: int | None = None,
-    out: Path | None = None,
-    objective: Literal["efficiency", "fitness"] | None = None,
-    morphologies: int | None = None,
-    rewards: int | None = None,
-    screening: Literal["halving", "none"] | None = None,
-    cycles: int | None = None,
-    finalists: int | None = None,
-    repeats: int | None = None,
-    steps: int | None = None,
-    final_steps: int | None = None,
-    trainer: str | None = None,
-    trainer_option: Annotated[list[str] | None, Parameter(negative="")] = None,
-    containment: Literal["strict", "relaxed"] | None = None,
-    quiet: Annotated[bool, Parameter(negative="")] = False,
-    as_json: Annotated[bool, Parameter("--json", negative="")] = False,
+    search: Search | None = None,
+    training: Training | None = None,
+    final: Final | None = None,
+    designer: Annotated[str | None, Parameter(group=Group("Designer", sort_key=4))] = None,
     model: ModelOptions | None = None,
     replay: ReplayOptions | None = None,
+    machine: Machine | None = None,
+    quiet: Annotated[bool, Parameter(negative="", group=_OUTPUT)] = False,
+    as_json: Annotated[bool, Parameter("--json", negative="", group=_OUTPUT)] = False,
 ) -> None:
-    """Search for the best body and reward for a task.
+    """Search for the best morphology and reward for a task.
 
-    The same command again finishes a run that was interrupted.
+    The same command again finishes a run that was stopped.
 
     Parameters
     ----------
     task
         Id of a task (`robomore tasks` lists them).
-    preset
-        `smoke` (under a minute), `quick` (about five), `standard` or `paper`.
-    designer
-        Who proposes: `offline` (no LLM, the default), `llm` (with `--model`), `replay` (with
-        `--from`), `human` or `random` (baselines).
     seed
-        Same seed, same result, whatever the number of workers.
-    workers
-        Evaluations side by side; one a core by default.
-    out
-        The run's folder; by default below `runs/`, named after all that was asked for.
-    objective
-        What the search compares: `efficiency` (fitness / volume, as in the paper) or `fitness`.
-    morphologies
-        Rows of the coarse grid.
-    rewards
-        Columns of the coarse grid.
-    screening
-        `halving` cuts the worst pairs of the grid on the way (and tries fewer rewards on bodies
-        that do badly under the reference reward); `none` trains every pair to the end, as in the
-        paper.
-    cycles
-        Most cycles of the fine stage.
-    finalists
-        Designs that are retrained for the final comparison.
-    repeats
-        Training seeds in the final comparison.
-    steps
-        Control steps of training for each candidate.
-    final_steps
-        Control steps of each training in the final; by default in proportion to `--steps`.
-    trainer
-        What trains the policies, with its own defaults: `crossq` (the presets'), `sac` (the paper's
-        algorithm and settings), `sb3` (the same through Stable-Baselines3; the extra `sb3`).
-    trainer_option
-        One setting of the trainer, as NAME=VALUE: `batch_size=512`, `hidden=[256,256]`. May be
-        given several times.
-    containment
-        `relaxed` trains without the operating system's protection where a machine lacks it.
+        Seed of the run. The same seed gives the same result with any number of workers.
+    designer
+        Who proposes morphologies and rewards: `offline` (no language model; the default), `llm`
+        (with `--model`) or `replay` (with `--from`). Some methods ask no designer.
     quiet
         Show nothing while the run goes on.
     as_json
         Print the outcome as JSON, as `robomore show --json` does.
     """
-    from robomore.report.command import overridden, settings_name
-    from robomore.settings import preset as settings_of
+    from robomore.options import settings_name
+    from robomore.search import make_method
     from robomore.tasks import get_task
 
-    sizes: dict[str, int | None] = {
-        "morphologies": morphologies,
-        "rewards": rewards,
-        "cycles": cycles,
-        "finalists": finalists,
-        "repeats": repeats,
-        "steps": steps,
-        "final-steps": final_steps,
-    }
-    positive(workers=workers, **sizes)
-    options: dict[str, Any] = {name: size for name, size in sizes.items() if size is not None}
-    if screening is not None:
-        options["screening"] = screening
-    if objective is not None:
-        options["objective"] = objective
-    if trainer is not None:
-        options["trainer"] = trainer
-    if trainer_option:
-        options["trainer-option"] = read_options(trainer_option)
-    settings = overridden(settings_of(preset), options)
-    name = settings_name(preset, options)
+    search, machine = search or Search(), machine or Machine()
+    seed_number(seed)
+    machine.check()
     wanted = get_task(task)
-    proposing = chosen(designer, model, replay)
-    folder = out or Path("runs") / f"{task}-{name}-{designer}-s{seed}"
+    settings = settings_of(search, training or Training(), final or Final())
+    proposing: str | LanguageModel | Replay | None
+    if not make_method(settings.method).needs_designer:
+        # What is given all the same is refused when the run starts.
+        proposing = designer or ("llm" if model else "replay" if replay else None)
+    else:
+        proposing = chosen(designer, model, replay)
 
     from robomore.cli.live import watched
     from robomore.designers import LanguageModel
     from robomore.experiment import run as start
 
     if isinstance(proposing, LanguageModel) and not quiet:
-        sys.stderr.write(forecast(wanted, proposing, settings.search) + "\n")
+        sys.stderr.write(forecast(wanted, proposing, settings) + "\n")
     with watched(quiet) as observe:
-        start(
+        found = start(
             wanted,
             settings,
             designer=proposing,
             seed=seed,
-            workers=workers,
-            out=folder,
-            containment=containment,
+            executor=machine.executor,
+            workers=machine.workers,
+            out=machine.out,
+            budget_steps=search.budget_steps,
+            time_limit=search.seconds,
+            containment=machine.containment,
             observe=observe,
-            name=name,
+            name=settings_name(search.preset, settings),
         )
 
-    from robomore.cli.show import print_outcome
-    from robomore.report.json_export import as_data
-    from robomore.report.summary import summarise
-
-    summary = summarise(folder)
     if as_json:
-        write_json(as_data(summary))
-    else:
-        print_outcome(summary)
+        from robomore.report import as_data
+
+        write_json(as_data(found))
+        return
+    from robomore.cli.show import print_outcome
+
+    print_outcome(found)
+    if not found.final:
+        sys.stdout.write("\nThe time limit is over. The same command goes on from here.\n")

@@ -13,11 +13,12 @@ from robomore.errors import InputError
 
 if TYPE_CHECKING:
     from robomore.runs import Run
+    from robomore.runs.table import Row
 
 
 def compare(
     *runs: Path,
-    csv: Path | None = None,
+    csv: Annotated[Path | None, Parameter(allow_leading_hyphen=True)] = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> None:
     """Put runs side by side: what each found, over its own reference, and what it cost.
@@ -25,26 +26,22 @@ def compare(
     Parameters
     ----------
     runs
-        Folders of runs.
+        Folders of runs. A run may still go on.
     csv
-        Write the table into this file.
+        Write the table as CSV into this file; `-` for the terminal.
     as_json
-        Print JSON: one object a run.
+        Print the table as JSON: one object for each run.
     """
     from robomore.runs import compare as side_by_side
-    from robomore.runs.table import write_csv
 
     if not runs:
         raise InputError("which runs? name their folders: robomore compare RUN RUN")
     comparison = side_by_side(runs)
-    rows = comparison.rows()
-    if csv is not None:
-        write_csv(rows, csv)
-        sys.stdout.write(f"{csv}\n")
     if as_json:
-        write_json(rows)
-        return
-    if csv is None:
+        write_json(comparison.rows())
+    elif csv is not None:
+        _write_csv(comparison.rows(), csv)
+    else:
         _print(comparison.runs)
 
 
@@ -62,24 +59,31 @@ def export(
     run
         A run's folder. The run may still go on.
     csv
-        The file to write; `-` for the terminal.
+        Write CSV into this file; `-` for the terminal.
     parquet
-        The file to write; this needs `pip install 'robomore[table]'`.
+        Write Parquet into this file. This needs `pip install 'robomore[table]'`.
     """
     from robomore.runs import load_run
-    from robomore.runs.table import csv_text, write_csv, write_parquet
+    from robomore.runs.table import write_parquet
 
     if (csv is None) == (parquet is None):
         raise InputError("give one of --csv FILE and --parquet FILE")
     rows = load_run(run).rows()
-    if csv == Path("-"):
-        sys.stdout.write(csv_text(rows))
-        return
     if csv is not None:
-        write_csv(rows, csv)
+        _write_csv(rows, csv)
     elif parquet is not None:
         write_parquet(rows, parquet)
-    sys.stdout.write(f"{csv or parquet}: {len(rows)} rows\n")
+        sys.stdout.write(f"{parquet}: {len(rows)} rows\n")
+
+
+def _write_csv(rows: list[Row], path: Path) -> None:
+    from robomore.runs.table import csv_text, write_csv
+
+    if path == Path("-"):
+        sys.stdout.write(csv_text(rows))
+        return
+    write_csv(rows, path)
+    sys.stdout.write(f"{path}: {len(rows)} rows\n")
 
 
 def _print(runs: tuple[Run, ...]) -> None:
@@ -96,13 +100,14 @@ def _print(runs: tuple[Run, ...]) -> None:
     for run in runs:
         manifest, champion = run.manifest, run.champion
         score = champion.score(run.objective) if champion else None
+        ratio = with_interval(run.ratio, digits=3) if run.ratio else "-"
         table.add_row(
             run.folder.name,
             manifest.task,
             manifest.settings.method.name,
             str(manifest.seed),
             f"{number(score.mean)} {unit_of(run.objective)}" if score else "-",
-            with_interval(run.ratio, digits=3) if run.ratio else "not finished",
+            ratio if run.final else "not finished",
             f"{run.search_steps:,}",
             duration(run.cost.core_seconds),
         )

@@ -1,4 +1,4 @@
-"""`robomore tasks` and `robomore inspect`: what there is to do, and one body, untrained."""
+"""`robomore tasks` and `robomore inspect`: what there is to do, and one robot, untrained."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def tasks(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False)
     if as_json:
         write_json([_as_data(task) for task in found])
         return
-    lines = [f"{'task':14} {'parameters':>10}  {'human volume':>13}  to do"]
+    lines = [f"{'task':14} {'parameters':>10}  {'volume':>13}  to do"]
     for task in found:
         goal = "run far" if task.fitness == "distance" else "jump high"
         volume = task.volume(task.reference)
@@ -51,7 +51,7 @@ def inspect(
     picture: Path | None = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> None:
-    """Show one body: volume, mass, implied density, rest height, a picture.
+    """Show one morphology: its volume, its mass, its height at rest, and a picture.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def inspect(
         Print the robot's MJCF text and nothing else: `filled` with these parameters, or `masked`
         as a designer sees it.
     picture
-        Draw the body into this file (.svg or .png).
+        Draw the robot into this file (.svg or .png).
     as_json
         Print JSON, the two MJCF texts in it.
     """
@@ -98,7 +98,7 @@ def inspect(
             }
         )
         return
-    _print_body(chosen, values, facts, union)
+    _print_morphology(chosen, values, facts, union)
     if picture is not None:
         sys.stdout.write(f"picture: {picture}\n")
 
@@ -128,13 +128,13 @@ def _as_data(task: Task) -> dict[str, Any]:
     }
 
 
-def _print_body(
+def _print_morphology(
     task: Task, values: tuple[float, ...], facts: dict[str, float], union: float | None
 ) -> None:
     from rich.table import Table
 
     from robomore.cli.output import console
-    from robomore.report.words import number
+    from robomore.runs.words import number
 
     screen = console()
     screen.print(f"[bold]{task.title}[/]  {task.description}\n")
@@ -158,13 +158,13 @@ def _print_body(
     screen.print(
         f"\nvolume       {facts['volume']:.6f} m³{once}\n"
         f"mass         {number(facts['mass'])} kg\n"
-        f"density      {number(facts['density'])} kg/m³ (mass / volume: what it is made of)\n"
+        f"density      {number(facts['density'])} kg/m³ (mass divided by volume)\n"
         f"rest height  {number(facts['rest_height'])} m"
     )
 
 
 def _print_picture(task: Task, values: tuple[float, ...]) -> None:
-    """Draw the body with half blocks: two pixels in each character."""
+    """Draw the robot with half blocks: two pixels in each character."""
     import numpy as np
     from rich.color import Color
     from rich.segment import Segment, Segments

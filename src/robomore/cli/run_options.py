@@ -1,0 +1,176 @@
+"""The options of `robomore run`, group by group, and the settings that they stand for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Group, Parameter
+
+from robomore.cli.inputs import positive, read_duration, read_options
+from robomore.errors import InputError
+
+if TYPE_CHECKING:
+    from robomore.settings import RunSettings
+
+Pairs = Annotated[list[str] | None, Parameter(negative="")]
+
+
+@Parameter(name="*", group=Group("Search", sort_key=1))
+@dataclass(frozen=True, kw_only=True)
+class Search:
+    """What is tried, and how much of it.
+
+    Attributes
+    ----------
+    preset
+        `smoke` (about a minute), `quick` (some minutes on two cores), `standard` or `paper`.
+    method
+        The search method, `robomore` by default. `robomore methods` lists all of them.
+    method_option
+        One option of the method, as NAME=VALUE: `morphologies=10`. May be given several times.
+    reference_reward
+        Short for `--method-option reference_reward=…`: `in` makes the reference reward one column
+        of the grid, `out` leaves it out, as the paper does.
+    objective
+        What is compared: `efficiency` (fitness / volume, as in the paper) or `fitness`.
+    budget_steps
+        Control steps of training that the search may use. The final comes on top.
+    time_limit
+        Time after which nothing new is started: `90s`, `30m` or `2h`. The run then ends with the
+        best so far, and the same command goes on later.
+    """
+
+    preset: str = "quick"
+    method: str | None = None
+    method_option: Pairs = None
+    reference_reward: Literal["in", "out"] | None = None
+    objective: Literal["efficiency", "fitness"] | None = None
+    budget_steps: int | None = None
+    time_limit: str | None = None
+
+    @property
+    def seconds(self) -> float | None:
+        """The time limit in seconds."""
+        return None if self.time_limit is None else read_duration("time-limit", self.time_limit)
+
+
+@Parameter(name="*", group=Group("Training", sort_key=2))
+@dataclass(frozen=True, kw_only=True)
+class Training:
+    """How each design of the search is trained.
+
+    Attributes
+    ----------
+    steps
+        Control steps of training for each design.
+    trainer
+        The algorithm, with its own defaults: `crossq` (that of the presets), `sac` (the paper's
+        algorithm and settings) or `sb3` (the same through Stable-Baselines3; needs the extra
+        `sb3`).
+    trainer_option
+        One option of the trainer, as NAME=VALUE: `batch_size=512`, `net_arch=[256,256]`. May be
+        given several times.
+    """
+
+    steps: int | None = None
+    trainer: str | None = None
+    trainer_option: Pairs = None
+
+
+@Parameter(name="*", group=Group("Final", sort_key=3))
+@dataclass(frozen=True, kw_only=True)
+class Final:
+    """How the best designs are compared with the reference design at the end.
+
+    Attributes
+    ----------
+    final_steps
+        Control steps of each training in the final. By default they change with `--steps`.
+    finalists
+        Number of designs from the search that are trained anew.
+    final_seeds
+        Training seeds of each design. Fewer than five give no interval.
+    """
+
+    final_steps: int | None = None
+    finalists: int | None = None
+    final_seeds: int | None = None
+
+
+@Parameter(name="*", group=Group("Machine", sort_key=7))
+@dataclass(frozen=True, kw_only=True)
+class Machine:
+    """Where the work is done, and where its files are kept.
+
+    Attributes
+    ----------
+    workers
+        Number of evaluations that run at the same time; by default one for each core.
+    executor
+        Where evaluations run: in worker `processes`, or `inline` in this process.
+    containment
+        `strict` refuses to start if this machine does not offer all sandbox layers for rewards,
+        `relaxed` runs with the layers that are available.
+    out
+        Folder of the run. By default it is made in `runs/` and named after the options.
+    """
+
+    workers: int | None = None
+    executor: str = "processes"
+    containment: Literal["strict", "relaxed"] | None = None
+    out: Path | None = None
+
+    def check(self) -> None:
+        """Refuse what cannot be used, before anything is started.
+
+        Raises:
+            InputError: naming the option.
+        """
+        from robomore.executors import EXECUTORS
+
+        positive(workers=self.workers)
+        EXECUTORS.get(self.executor)
+
+
+def settings_of(search: Search, training: Training, final: Final) -> RunSettings:
+    """Return the preset's settings with the given options in place of its own.
+
+    Raises:
+        InputError: an option cannot be used.
+    """
+    from robomore.options import with_options
+    from robomore.settings import preset
+
+    plain = preset(search.preset)
+    method_options = read_options("method-option", search.method_option, "morphologies=10")
+    if search.reference_reward is not None:
+        method_options["reference_reward"] = _with_reference_reward(
+            search.method or plain.method.name, search.reference_reward
+        )
+    return with_options(
+        plain,
+        method=search.method,
+        method_options=method_options,
+        trainer=training.trainer,
+        trainer_options=read_options("trainer-option", training.trainer_option, "batch_size=512"),
+        steps=training.steps,
+        final_steps=final.final_steps,
+        finalists=final.finalists,
+        final_seeds=final.final_seeds,
+        objective=search.objective,
+    )
+
+
+def _with_reference_reward(method: str, value: str) -> str:
+    """Return `value` if the method has that option.
+
+    Raises:
+        InputError: it has none.
+    """
+    from robomore.search import METHODS
+
+    if "reference_reward" not in [field.name for field in fields(METHODS.get(method).Settings)]:
+        raise InputError(f"the method {method!r} has no option reference_reward; leave it out")
+    return value
