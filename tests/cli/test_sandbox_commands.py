@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from robomore.cli.app import main
-from robomore.experiment import _containment
+from robomore.experiment.containing import choose_containment as _containment
 from robomore.sandbox import layers
 from robomore.sandbox.call import Containment
 from robomore.sandbox.restrictions import REQUIRED, Layer

@@ -71,7 +71,7 @@ def test_refused_parameters_are_not_compiled(task: Task) -> None:
 def test_what_mujoco_refuses_is_an_invalid_morphology() -> None:
     swimmer = get_task("swimmer")
     broken = replace(swimmer, template=swimmer.template.replace('size="{back_radius}"', 'size="0"'))
-    with pytest.raises(InvalidMorphology, match=r"swimmer: MuJoCo refuses this body: .*size"):
+    with pytest.raises(InvalidMorphology, match=r"swimmer: MuJoCo refuses this morphology: .*size"):
         compile_model(broken, swimmer.reference)
 
 

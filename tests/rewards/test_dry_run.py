@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from robomore.rewards.dry_run import RANDOM_BODIES, SIMULATIONS, STEPS, DryRun
-from robomore.rewards.dry_run_findings import Rehearsed, Term, bodies, findings
+from robomore.rewards.dry_run import NUM_ENVS, RANDOM_MORPHOLOGIES, STEPS, DryRun
+from robomore.rewards.dry_run_findings import Observed, Term, findings, morphologies
 from robomore.tasks import TASKS, get_task
 
-CALLS = (RANDOM_BODIES + 1) * SIMULATIONS * STEPS
+CALLS = (RANDOM_MORPHOLOGIES + 1) * NUM_ENVS * STEPS
 PLAIN = {"speed": Term(1.0), "effort": Term(0.5)}
 
 
-def seen(**changes: object) -> Rehearsed:
+def observed(**changes: object) -> Observed:
     usual = {"calls": 300, "low": -1.0, "high": 2.0, "seconds": 2e-5, "terms": PLAIN}
-    return Rehearsed(**{**usual, **changes})  # type: ignore[arg-type]
+    return Observed(**{**usual, **changes})  # type: ignore[arg-type]
 
 
 def program(*lines: str) -> str:
@@ -24,10 +24,10 @@ def program(*lines: str) -> str:
 
 
 def test_a_usual_reward_gives_no_findings() -> None:
-    assert findings(seen(), 1) == []
+    assert findings(observed(), 1) == []
     bonus = {**PLAIN, "healthy": Term(0.0)}
-    assert findings(seen(terms=bonus), 1) == []
-    assert findings(seen(terms={"speed": Term(1.0), "healthy": Term(0.0)}), 1) == []
+    assert findings(observed(terms=bonus), 1) == []
+    assert findings(observed(terms={"speed": Term(1.0), "healthy": Term(0.0)}), 1) == []
 
 
 @pytest.mark.parametrize(
@@ -46,17 +46,17 @@ def test_a_usual_reward_gives_no_findings() -> None:
     ],
 )
 def test_what_is_found(changes: dict[str, object], severity: str, said: str) -> None:
-    (found,) = findings(seen(**changes), 7)
+    (found,) = findings(observed(**changes), 7)
     assert (found.line, found.severity) == (7, severity)
     assert said in found.message
 
 
 @pytest.mark.parametrize("task", [get_task(name) for name in TASKS], ids=list(TASKS))
-def test_bodies_are_valid_and_the_same_every_time(task) -> None:
-    first = bodies(task, RANDOM_BODIES)
-    assert first == bodies(task, RANDOM_BODIES)
-    assert len(set(first)) == RANDOM_BODIES + 1 and first[-1] == task.reference
-    assert all(task.check(body) for body in first)
+def test_morphologies_are_valid_and_the_same_every_time(task) -> None:
+    first = morphologies(task, RANDOM_MORPHOLOGIES)
+    assert first == morphologies(task, RANDOM_MORPHOLOGIES)
+    assert len(set(first)) == RANDOM_MORPHOLOGIES + 1 and first[-1] == task.reference
+    assert all(task.check(parameters) for parameters in first)
 
 
 @pytest.mark.parametrize("name", ["swimmer", "ant"])

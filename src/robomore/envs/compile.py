@@ -1,4 +1,4 @@
-"""From parameters to a MuJoCo model, and the plain facts of the body that it holds."""
+"""From parameters to a MuJoCo model, and the plain facts of the robot in it."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Parameters = Sequence[float] | Mapping[str, float]
 
 
 def compile_model(task: Task, parameters: Parameters) -> mujoco.MjModel:
-    """Return the MuJoCo model of one body, on the task's ground.
+    """Return the MuJoCo model of one morphology, on the task's ground.
 
     Args:
-        task: what the body is for.
+        task: what the robot is for.
         parameters: in the task's order, or by name.
 
     Raises:
@@ -35,16 +35,16 @@ def compile_model(task: Task, parameters: Parameters) -> mujoco.MjModel:
             model = spec.compile()
             _fill(model, task.terrain)
     except ValueError as error:
-        raise InvalidMorphology(f"{task.id}: MuJoCo refuses this body: {error}") from error
+        raise InvalidMorphology(f"{task.id}: MuJoCo refuses this morphology: {error}") from error
     return model
 
 
 def body_facts(task: Task, parameters: Parameters) -> dict[str, float]:
-    """Return the plain facts of one body.
+    """Return the plain facts of one morphology.
 
     Returns:
         `volume` in m^3 (sum over parts, overlaps counted twice), `mass` in kg, `density` in kg/m^3
-        (mass / volume, what the body would have to be made of) and `rest_height` in m (torso above
+        (mass / volume, what the robot would have to be made of) and `rest_height` in m (torso above
         the ground beneath it in the initial pose).
 
     Raises:

@@ -51,7 +51,7 @@ def make_environment(
     render_mode: str | None = None,
     **options: Any,
 ) -> RobotEnvironment:
-    """Return the environment of one body.
+    """Return the environment of one morphology.
 
     Args:
         task: id of the task.

@@ -71,7 +71,7 @@ class RewardRunner:
             }
             for index, (one, generator) in enumerate(zip(data, generators, strict=True))
         ]
-        self._selves = [object.__new__(robot) for _ in data]
+        self._selves: list[Any] = [object.__new__(robot) for _ in data]
         for index in range(len(data)):
             self.reset(index)
 
@@ -88,10 +88,10 @@ class RewardRunner:
         """
         self._health[:] = map(self._health_type, healthy)
         reward, record, isfinite = self._reward, self._terms.add, math.isfinite
-        rewards = []
+        rewards: list[float] = []
         for robot, speed, action in zip(self._selves, x_velocity, actions, strict=True):
             try:
-                result = reward(robot, speed, action)  # type: ignore[arg-type]
+                result = reward(robot, speed, action)
             except (Exception, SystemExit) as error:
                 what = f"raised {self._explain(error)}"
                 raise self._failed(what, len(rewards), speed, action) from error
@@ -186,11 +186,12 @@ def _with_known_health(
     simulations at once keeps its own property.
     """
     robot = type(environment)
-    if not (robot.judges_health() and isinstance(getattr(robot, "is_healthy", None), property)):
+    official = getattr(robot, "is_healthy", None)
+    if not (robot.judges_health() and isinstance(official, property) and official.fget):
         return robot, bool
     known = property(lambda self: health[getattr(self, _INDEX)])
     attributes = {"is_healthy": known, "__module__": robot.__module__, "__doc__": robot.__doc__}
-    return type(robot.__name__, (robot,), attributes), type(environment.is_healthy)
+    return type(robot.__name__, (robot,), attributes), type(official.fget(environment))
 
 
 def _protect(value: Any) -> Any:

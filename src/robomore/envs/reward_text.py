@@ -1,7 +1,8 @@
 """Turns the text of a trusted reward into a function, in this process.
 
-Only for text that the user chose: the task's own, or one handed to `gymnasium.make`. What a
-designer wrote is loaded by `robomore.rewards.load`, inside a contained process.
+Only for text that the user chose: the task's own, or one given to `gymnasium.make`. What a designer
+wrote is loaded by `robomore.rewards.load`, inside a sandboxed process. This module stands in `envs`
+and not in `rewards` because `registration` needs it, and `envs` may not import what stands above.
 """
 
 from __future__ import annotations

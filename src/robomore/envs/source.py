@@ -36,9 +36,9 @@ _MEANINGS = {
 def environment_source(task: Task) -> str:
     """Return the source of the task's official Gymnasium class, without its reward.
 
-    Gone are the reward itself, the bodies and weights of the helpers that only it uses, and
-    whatever else tells of it. The limits of health are the task's; one that depends on the body
-    has no value.
+    Gone are the reward itself, the code and weights of the helpers that only it uses, and
+    whatever else tells of it. The limits of health are the task's; one that depends on the
+    morphology has no value.
     """
     ours = environment_class(task)
     official = next(base for base in ours.__mro__ if base.__module__.startswith("gymnasium."))
@@ -128,7 +128,7 @@ def _cut_weights(constructor: ast.FunctionDef, needed: set[str]) -> None:
 
 
 def _set_options(constructor: ast.FunctionDef, task: Task) -> None:
-    """Show the task's own options; what depends on the body stands after `*`, without a value."""
+    """Show the task's own options; what depends on the morphology stands after `*`, bare."""
     reference = dict(zip(task.names, task.reference, strict=True))
     options = task.options(reference)
     others = task.options({name: 1.5 * value for name, value in reference.items()})

@@ -1,4 +1,4 @@
-"""The material that a body really takes: where a part runs into its neighbour, it counts once.
+"""The material that a robot really takes: where a part runs into its neighbour, it counts once.
 
 The paper's volume adds up the parts, so that overlaps count twice. This is the honest figure next
 to it. It needs the optional package `manifold3d`.
@@ -27,7 +27,7 @@ def union_volume(task: Task, parameters: Parameters) -> float | None:
 
     Neighbours are parts of one rigid piece and pieces that a joint connects. Parts that merely pass
     through each other, as Walker's two legs do in their plane, are built twice and count twice.
-    Accurate to about 0.1 %; a body without overlaps gives its plain sum exactly.
+    Accurate to about 0.1 %; a robot without overlaps gives its plain sum exactly.
 
     Returns:
         `None` if `manifold3d` is not installed.

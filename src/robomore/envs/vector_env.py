@@ -1,4 +1,4 @@
-"""Many simulations of one body, stepped together: what policies are trained and measured on.
+"""Many simulations of one morphology, stepped together: what policies are trained and measured on.
 
 The physics runs in a plain loop over MuJoCo's own steps, which is as fast as it gets in one thread
 and bit-identical to the official environments. Everything else is done for the whole batch.
@@ -37,11 +37,11 @@ TOLERATED_DIVERGENCES = 10
 """Divergences that are put up with in any case."""
 
 TOLERATED_SHARE = 0.1
-"""Share of episodes that may end in a divergence; with more the body cannot be simulated."""
+"""Share of episodes that may end in a divergence; with more the morphology cannot be simulated."""
 
 
 class VectorEnv:
-    """`num_envs` simulations of one body under one reward (a `TrainingEnv`).
+    """`num_envs` simulations of one morphology under one reward (a `TrainingEnv`).
 
     A simulation whose physics diverges (numbers that are not finite, or beyond `DIVERGED`) ends its
     episode as terminated, in the starting pose: such a step moves nothing forward. Only when that
@@ -51,13 +51,11 @@ class VectorEnv:
         num_envs: environments that are stepped together.
         observation_size: numbers in an observation.
         action_size: motors.
-        environment: one Gymnasium environment of this body, for its options and batched facts.
+        environment: one Gymnasium environment of this morphology, for options and `batch_` methods.
         data: MuJoCo's data of each simulation.
         observation: (num_envs, observation_size) what the next actions answer to.
         physics_state: (num_envs, nq + nv) positions and velocities now.
         qpos: (num_envs, nq) the positions in it.
-        qvel: (num_envs, nv) the velocities in it.
-        cfrc_ext: (num_envs, bodies, 6) contact forces after the last step, where asked for.
         healthy: (num_envs,) bool after the last step.
         diverged: (num_envs,) bool, the physics diverged in the last step.
         divergences: how often it did in all.
@@ -77,7 +75,7 @@ class VectorEnv:
 
         Args:
             task: whose robot this is.
-            parameters: of its body, in the task's order or by name.
+            parameters: of its morphology, in the task's order or by name.
             num_envs: environments that are stepped together.
             reward: called after every step; without one all rewards are 0.
             auto_reset: whether an ended episode is followed by the next one at once. Without it,
@@ -107,7 +105,7 @@ class VectorEnv:
         self.data = [mujoco.MjData(self.model) for _ in range(num_envs)]
         self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(num_envs)]
         self._controls = Scatter([one.ctrl for one in self.data])
-        self._forces_needed = self.environment.observes_forces
+        self._forces_observed = self._forces_needed = self.environment.observes_forces
         nq, nv = self.model.nq, self.model.nv
         self._rows = Gather(
             [
@@ -119,9 +117,8 @@ class VectorEnv:
         self._forces = Gather([[one.cfrc_ext.ravel()] for one in self.data])
         self.physics_state: Array = self._rows.values[:, : nq + nv]
         self.qpos = self.physics_state[:, :nq]
-        self.qvel = self.physics_state[:, nq:]
         self._position: Array = self._rows.values[:, -1 if self._rows.width > nq + nv else 0]
-        self.cfrc_ext: Array = self._forces.values.reshape(num_envs, -1, 6)
+        self._cfrc_ext: Array = self._forces.values.reshape(num_envs, -1, 6)
 
         self.observation: Array = np.zeros((num_envs, self.observation_size))
         self.healthy = np.ones(num_envs, np.bool_)
@@ -203,7 +200,7 @@ class VectorEnv:
         self._gather()
         diverged = self._settle_diverged()
 
-        final = self.environment.batch_observation(self.physics_state, self.cfrc_ext)
+        final = self.environment.batch_observation(self.physics_state, self._cfrc_ext)
         if self._falls:
             self.healthy = self.environment.batch_healthy(self.physics_state)
         terminated = ~self.healthy if self._terminates else np.zeros(self.num_envs, np.bool_)
@@ -296,7 +293,7 @@ class VectorEnv:
 
     def _gather(self) -> None:
         self._rows.read()
-        if self._forces_needed:
+        if self._forces_observed:
             self._forces.read()
 
     def _need_forces(self) -> None:
@@ -305,7 +302,6 @@ class VectorEnv:
             self._forces_needed = True
             for data in self.data:
                 mujoco.mj_rnePostConstraint(self.model, data)
-            self._forces.read()
 
     def _begin(self, index: int) -> None:
         """Start an episode just as the official environment does, with its own code."""
@@ -328,7 +324,7 @@ class VectorEnv:
         ):
             raise UnstableSimulation(
                 f"The physics diverged in {self.divergences} of {self._episodes} episodes: this "
-                "body cannot be simulated with these motors."
+                "morphology cannot be simulated with these motors."
             )
         if self._auto_reset:
             self._last_qpos = self.qpos.copy()

@@ -1,4 +1,4 @@
-"""A body drawn without OpenGL: its solids projected along parallel rays.
+"""A robot drawn without OpenGL: its solids projected along parallel rays.
 
 A capsule seen along parallel rays is exactly a thick line with round ends, and a ball a disc, so
 a handful of strokes, far ones first, is a true picture. It needs no graphics driver, which is what
@@ -68,7 +68,7 @@ class Stroke:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A body in one pose, projected. All lengths in m.
+    """A robot in one pose, projected. All lengths in m.
 
     Attributes:
         strokes: far ones first.
@@ -84,7 +84,7 @@ class Scene:
 
 
 def draw(task: Task, parameters: Parameters) -> Scene:
-    """Return the picture of a body at rest, on flat ground.
+    """Return the picture of a robot at rest, on flat ground.
 
     Raises:
         InvalidMorphology: the task refuses the parameters, or MuJoCo the model.
@@ -134,7 +134,7 @@ def rest_pose(model: mujoco.MjModel) -> Array:
 def project(
     model: mujoco.MjModel, data: mujoco.MjData, view: View, ground: tuple[Array, ...] = ()
 ) -> Scene:
-    """Return the picture of a body in the pose that `data` holds.
+    """Return the picture of a robot in the pose that `data` holds.
 
     Args:
         model: of the robot.

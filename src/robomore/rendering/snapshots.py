@@ -45,15 +45,15 @@ def pictures(
 def _strip(task: Task, parameters: tuple[float, ...], act: Act, seed: int) -> Image:
     from PIL import Image as Images
 
-    simulations = VectorEnv(task, parameters, 1, auto_reset=False)
-    model, view = simulations.model, view_of(simulations.model)
-    stride = max(1, round(_SECONDS_BETWEEN / float(simulations.environment.dt)))
-    observation = simulations.reset_one(0, seed)[None]
+    env = VectorEnv(task, parameters, 1, auto_reset=False)
+    model, view = env.model, view_of(env.model)
+    stride = max(1, round(_SECONDS_BETWEEN / float(env.environment.dt)))
+    observation = env.reset_one(0, seed)[None]
     strip = Images.new("RGB", (_FRAMES * _STRIP_WIDTH, _STRIP_HEIGHT))
     data = mujoco.MjData(model)
     metres = 0.0
     for index in range(_FRAMES):
-        data.qpos[:] = simulations.qpos[0]
+        data.qpos[:] = env.qpos[0]
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         middle = data.subtree_com[1].copy()
@@ -62,11 +62,11 @@ def _strip(task: Task, parameters: tuple[float, ...], act: Act, seed: int) -> Im
         metres = metres or 1.6 * float(max(bare.high - bare.low))
         ground = ground_lines(view, middle, 0.75 * metres, nice_length(metres / 4))
         frame = Frame(np.asarray(view.flat(middle)), metres, _STRIP_WIDTH, _STRIP_HEIGHT)
-        caption = f"{index * stride * float(simulations.environment.dt):.2f} s"
+        caption = f"{index * stride * float(env.environment.dt):.2f} s"
         drawn = image(project(model, data, view, ground), frame, caption)
         strip.paste(drawn, (index * _STRIP_WIDTH, 0))
         for _ in range(stride):
-            observation = simulations.step(act(observation)).final_observation
+            observation = env.step(act(observation)).final_observation
     return strip
 
 

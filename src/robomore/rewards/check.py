@@ -1,7 +1,7 @@
 """Reads the text of a reward and says what is wrong with it, in words that a designer can act on.
 
-This is hygiene, not the boundary: it spares a training run that must fail, and it turns well-meant
-mistakes into advice. Whoever wants to get past it will. `contain` is what keeps a stranger in.
+This is no protection: it saves a training that must fail, and it turns honest mistakes into advice.
+Whoever wants to get past it can. The sandbox (`robomore.sandbox`) is what protects the machine.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""A reward tried out before it is trained under: a second now instead of a wasted training.
+"""A dry run of a reward before it is trained under: a second now instead of a wasted training.
 
-The reward runs in a contained child, as it does in training; here only what the child says is
-read, and no more of it is believed than its type.
+The reward runs in a sandboxed process, as it does in training. Only that process's answer is read
+here, and it is checked against a schema.
 """
 
 from __future__ import annotations
@@ -20,22 +20,23 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from robomore.envs.robots.base import RewardFunction
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import UnstableSimulation
 from robomore.identity import derive_seed
 from robomore.rewards.check import NAME, Finding
-from robomore.rewards.dry_run_findings import Rehearsed, Term, bodies, findings
-from robomore.rewards.load import RewardFunction, load_reward
+from robomore.rewards.dry_run_findings import Observed, Term, findings, morphologies
+from robomore.rewards.load import load_reward
 from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.tasks import Task, get_task
 from robomore.types import Limits, Status
 
-RANDOM_BODIES = 2
-SIMULATIONS, STEPS = 4, 25
-"""Of each body; together a hundred calls of the reward."""
+RANDOM_MORPHOLOGIES = 2
+NUM_ENVS, STEPS = 4, 25
+"""For each morphology; together a hundred calls of the reward."""
 _LIMITS = Limits(wall_seconds=120.0, reward_call_seconds=1.0, stall_seconds=60.0)
 _BLAMELESS = (Status.FAILED, Status.UNSTABLE, Status.INVALID_MORPHOLOGY)
-"""Ends of a rehearsal that say nothing about the reward."""
+"""Ends of a dry run that say nothing about the reward."""
 _MOST_TERMS = 64
 _LONGEST = 1_000
 """Characters of a finding."""
@@ -44,21 +45,22 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Play:
-    """What the child is to do: a reward, and the bodies of a task that move under it."""
+class DryRunRequest:
+    """What the sandboxed process is to do: move these morphologies of a task under a reward."""
 
     task: str
-    bodies: tuple[tuple[float, ...], ...]
+    morphologies: tuple[tuple[float, ...], ...]
     source: str
 
 
 @dataclass(frozen=True, slots=True)
 class DryRun:
-    """Tries rewards out; called with a reward's text, it returns findings.
+    """Tries rewards; called with a reward's text, it returns findings.
 
     Attributes:
         task: whose robot moves.
-        scratch: folder for what the child writes; each call takes a folder of its own in it.
+        scratch: folder for what the sandboxed process writes; each call takes a folder of its own
+            in it.
         containment: `strict` refuses to run rewards without the operating system's layers.
     """
 
@@ -72,72 +74,68 @@ class DryRun:
         Raises:
             InputError: the machine lacks a layer and containment is strict.
         """
-        play = Play(self.task.id, tuple(bodies(self.task, RANDOM_BODIES)), source)
+        drawn = tuple(morphologies(self.task, RANDOM_MORPHOLOGIES))
         self.scratch.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix="rehearsal-", dir=self.scratch) as scratch:
+        with TemporaryDirectory(prefix="dry-run-", dir=self.scratch) as scratch:
             ended = run_sandboxed(
-                "robomore.rewards.dry_run:rehearse",
-                msgspec.json.encode(play),
+                "robomore.rewards.dry_run:observe",
+                msgspec.json.encode(DryRunRequest(self.task.id, drawn, source)),
                 Path(scratch),
                 _LIMITS,
                 mode=self.containment,
             )
         if ended.status in _BLAMELESS:
-            _log.warning("no rehearsal: %s", ended.diagnosis)
+            _log.warning("no dry run: %s", ended.diagnosis)
             return []
         if ended.status is not Status.OK:
             return [_fault(ended.diagnosis, source)]
         try:
-            seen = msgspec.json.decode(ended.reply, type=Rehearsed)
+            observed = msgspec.json.decode(ended.reply, type=Observed)
         except msgspec.DecodeError:
             return [_fault("the reward does something else than computing a number", source)]
-        return findings(seen, _line(source))
+        return findings(observed, _line(source))
 
 
-def rehearse(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
-    """Let bodies move at random under a reward; what the contained child calls.
+def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
+    """Let robots move at random under a reward; runs in the sandboxed process.
 
     Args:
-        payload: an encoded `Play`.
+        payload: an encoded `DryRunRequest`.
         scratch: not used.
-        report: told the bodies done.
+        report: called with the number of morphologies that are done.
 
     Returns:
-        An encoded `Rehearsed`.
+        An encoded `Observed`.
 
     Raises:
         InvalidReward, RewardFailed: the reasons are the reward's.
     """
-    play = msgspec.json.decode(payload, type=Play)
-    task = get_task(play.task)
-    notes = _Notes(load_reward(play.source))
-    for number, body in enumerate(play.bodies):
-        random = np.random.default_rng(derive_seed("rehearsal", play.task, number))
-        simulations = VectorEnv(task, body, SIMULATIONS, notes)
+    request = msgspec.json.decode(payload, type=DryRunRequest)
+    task = get_task(request.task)
+    reward = _RecordedReward(load_reward(request.source))
+    for number, parameters in enumerate(request.morphologies):
+        random = np.random.default_rng(derive_seed("dry run", request.task, number))
+        env = VectorEnv(task, parameters, NUM_ENVS, reward)
         try:
-            simulations.reset(int(random.integers(2**31)))
+            env.reset(int(random.integers(2**31)))
             for _ in range(STEPS):
-                shape = (SIMULATIONS, simulations.action_size)
-                notes.rewards += simulations.step(random.uniform(-1, 1, shape)).reward.tolist()
+                actions = random.uniform(-1, 1, (NUM_ENVS, env.action_size))
+                reward.rewards += env.step(actions).reward.tolist()
         except UnstableSimulation:
-            pass  # Not the reward's fault, and other bodies move.
+            pass  # Not the reward's fault, and other morphologies move.
         report(number + 1)
-    return msgspec.json.encode(notes.seen())
+    return msgspec.json.encode(reward.observed())
 
 
 @dataclass
-class _Notes:
-    """A reward with a clock beside it, and what it returned.
-
-    It is an object and no function, so that it is called once per simulation, whatever could be
-    done for many at once.
-    """
+class _RecordedReward:
+    """A reward that records how long each call took and what it returned."""
 
     original: RewardFunction
     seconds: list[float] = field(default_factory=list)
     rewards: list[float] = field(default_factory=list)
     terms: dict[str, list[float]] = field(default_factory=dict)
-    strange: dict[str, int] = field(default_factory=dict)
+    not_finite: dict[str, int] = field(default_factory=dict)
 
     def __call__(
         self, robot: Any, x_velocity: float, action: Any
@@ -147,10 +145,10 @@ class _Notes:
         result = self.original(robot, x_velocity, action)
         self.seconds.append(time.thread_time() - began)
         if type(result) is tuple and len(result) == 2 and isinstance(result[1], Mapping):
-            self.note(result[1])
+            self._record(result[1])
         return result
 
-    def note(self, terms: Mapping[str, Any]) -> None:
+    def _record(self, terms: Mapping[str, Any]) -> None:
         for name, value in terms.items():
             name = str(name)[:80]
             if name not in self.terms and len(self.terms) >= _MOST_TERMS:
@@ -163,10 +161,10 @@ class _Notes:
             if math.isfinite(number):
                 values.append(number)
             else:
-                self.strange[name] = self.strange.get(name, 0) + 1
+                self.not_finite[name] = self.not_finite.get(name, 0) + 1
 
-    def seen(self) -> Rehearsed:
-        return Rehearsed(
+    def observed(self) -> Observed:
+        return Observed(
             calls=len(self.rewards),
             low=min(self.rewards, default=0.0),
             high=max(self.rewards, default=0.0),
@@ -174,7 +172,7 @@ class _Notes:
             terms={
                 name: Term(
                     float(np.std(values)) if values and min(values) < max(values) else 0.0,
-                    self.strange.get(name, 0),
+                    self.not_finite.get(name, 0),
                 )
                 for name, values in self.terms.items()
             },

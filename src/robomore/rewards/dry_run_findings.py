@@ -1,6 +1,6 @@
-"""What a reward did on a few bodies that moved at random, and what that says about it.
+"""What a reward did on a few robots that moved at random, and what that says about it.
 
-Only words are made here. `robomore.rewards.dry_run` lets the reward run, in a contained child.
+Only messages are made here. `robomore.rewards.dry_run` lets the reward run, in a sandboxed process.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ _DRAWS = 500
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """One reward term in a rehearsal.
+    """One reward term in a dry run.
 
     Attributes:
         spread: its standard deviation over the calls.
-        strange: calls in which it was no finite number.
+        not_finite: calls in which it was no finite number.
     """
 
     spread: float = 0.0
-    strange: int = 0
+    not_finite: int = 0
 
 
 @dataclass(frozen=True, slots=True)
-class Rehearsed:
-    """What was seen of a reward that raised nothing.
+class Observed:
+    """What was observed of a reward that raised nothing.
 
     Attributes:
-        calls: of the reward, over all bodies.
+        calls: of the reward, over all morphologies.
         low: least reward.
         high: greatest reward.
         seconds: processor time of a usual call (the median).
@@ -58,45 +58,45 @@ class Rehearsed:
     terms: dict[str, Term] = field(default_factory=dict)
 
 
-def findings(seen: Rehearsed, line: int) -> list[Finding]:
+def findings(observed: Observed, line: int) -> list[Finding]:
     """Return what a designer should know about a reward.
 
     Args:
-        seen: in a rehearsal.
-        line: of the reward's text that the findings are told for.
+        observed: in a dry run.
+        line: of the reward's text that the findings name.
     """
     found = []
-    if seen.calls > 1 and seen.low == seen.high:
+    if observed.calls > 1 and observed.low == observed.high:
         found.append(
             Finding(
                 line,
                 "error",
-                f"the reward was the same number ({seen.low:g}) in all {seen.calls} steps of "
-                "several bodies that moved at random: nothing can be learnt from it",
+                f"the reward was the same number ({observed.low:g}) in all {observed.calls} steps "
+                "of several robots that moved at random: nothing can be learnt from it",
             )
         )
-    if seen.seconds > SLOW:
+    if observed.seconds > SLOW:
         found.append(
             Finding(
                 line,
-                "error" if seen.seconds > TOO_SLOW else "warning",
-                f"one call takes {1e3 * seen.seconds:.1f} ms, and training makes hundreds of "
+                "error" if observed.seconds > TOO_SLOW else "warning",
+                f"one call takes {1e3 * observed.seconds:.1f} ms, and training makes hundreds of "
                 f"thousands of calls; it should take less than {1e3 * SLOW:g} ms",
             )
         )
-    return [*found, *_about_terms(seen, line)]
+    return [*found, *_about_terms(observed, line)]
 
 
-def bodies(task: Task, count: int) -> list[tuple[float, ...]]:
-    """Return `count` random valid bodies and the official one, the same ones every time.
+def morphologies(task: Task, count: int) -> list[tuple[float, ...]]:
+    """Return `count` random valid morphologies and the reference, the same ones every time.
 
-    The official robot comes last: what fails, mostly fails on another one before, and the words
-    that go to a designer do not tell how the official one stands.
+    The reference comes last. What fails, mostly fails on another one before it, and so the messages
+    that go to a designer do not tell how the reference stands.
     """
     space = UnitSpace(task)
-    random = np.random.default_rng(derive_seed("rehearsal", task.id, task.version))
+    random = np.random.default_rng(derive_seed("dry run", task.id, task.version))
     found: list[tuple[float, ...]] = []
-    # Near the official robot, where bodies are valid more often than anywhere in the box.
+    # Near the reference, where morphologies are valid more often than elsewhere within the bounds.
     reference = space.units([task.reference])
     for _ in range(_DRAWS):
         if len(found) == count:
@@ -107,16 +107,16 @@ def bodies(task: Task, count: int) -> list[tuple[float, ...]]:
     return [*found, task.reference]
 
 
-def _about_terms(seen: Rehearsed, line: int) -> list[Finding]:
-    if not seen.terms:
+def _about_terms(observed: Observed, line: int) -> list[Finding]:
+    if not observed.terms:
         said = "it returns no terms; give each part of the sum a name, so that one can see its part"
         return [Finding(line, "warning", said)]
     found = []
-    strange = [name for name, term in seen.terms.items() if term.strange]
-    if strange:
-        said = f"{_listed(strange)} not always a finite number among the terms"
+    faulty = [name for name, term in observed.terms.items() if term.not_finite]
+    if faulty:
+        said = f"{_listed(faulty)} not always a finite number among the terms"
         found.append(Finding(line, "warning", said))
-    spreads = {name: term.spread for name, term in seen.terms.items() if term.spread > 0}
+    spreads = {name: term.spread for name, term in observed.terms.items() if term.spread > 0}
     total = math.fsum(spreads.values())
     # A constant, such as a bonus for being healthy, is no rival.
     if len(spreads) > 1:
@@ -125,7 +125,7 @@ def _about_terms(seen: Rehearsed, line: int) -> list[Finding]:
             said = (
                 f"the term {name!r} dominates: under random actions it makes "
                 f"{100 * largest / total:.1f} % of all variation (standard deviations: "
-                f"{_compared(seen.terms)}), so the other terms hardly count"
+                f"{_compared(observed.terms)}), so the other terms hardly count"
             )
             found.append(Finding(line, "warning", said))
     return found

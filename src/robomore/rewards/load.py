@@ -9,17 +9,16 @@ import builtins
 import inspect
 import linecache
 import math
-from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robomore.errors import InvalidReward
 from robomore.sandbox import heartbeat
 from robomore.sandbox.explain import FILENAME, explain
 
-RewardFunction = Callable[[Any, float, NDArray[np.float64]], tuple[float, Mapping[str, float]]]
+if TYPE_CHECKING:
+    from robomore.envs.robots.base import RewardFunction
 
 
 def load_reward(source: str) -> RewardFunction:

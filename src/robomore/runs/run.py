@@ -171,7 +171,7 @@ class Run:
 
     @cached_property
     def lineage(self) -> tuple[Record, ...]:
-        """The way to the search's best, from a first idea over each improvement."""
+        """How the search found its best: a first idea, and each improvement."""
         if self.focus:
             key = self.focus
         elif self.found is not None:

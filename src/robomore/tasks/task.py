@@ -27,7 +27,8 @@ class Parameter:
         name: as it stands in the template and in parameter files.
         low: smallest allowed value, in `unit`.
         high: largest allowed value, in `unit`.
-        reference: value of the official robot (never shown to a designer).
+        reference: the value to compare with: the official robot's, if there is one (never shown to
+            a designer).
         meaning: one line for designers and people.
         unit: SI unit.
         scale: how a search should step through the range; `log` for sizes that span decades.
@@ -96,7 +97,7 @@ class Task:
         shapes: the solids that make up the robot, for its volume.
         reward: source of the reference reward, `_get_rew(self, x_velocity, action)`.
         environment: `module:Class` of the environment (loaded only when something is simulated).
-        options: constructor options of the environment, some of which depend on the body.
+        options: constructor options of the environment, some of which depend on the morphology.
         constants: fixed numbers that the template refers to (never parameters).
         terrain: height field to run on, or `None` for flat ground.
         episode_steps: control steps of a full episode.
@@ -120,7 +121,7 @@ class Task:
 
     @property
     def reference(self) -> tuple[float, ...]:
-        """Parameters of the official robot, in the task's order."""
+        """The reference parameters, in the task's order: those of the official robot, if any."""
         return tuple(parameter.reference for parameter in self.parameters)
 
     @property
@@ -162,7 +163,7 @@ class Task:
         return sum(shape.volume for shape in self.shapes(self.named(parameters)))
 
     def mjcf(self, parameters: Sequence[float] | Mapping[str, float]) -> str:
-        """Return the MJCF text of one body, without a terrain's elevations."""
+        """Return the MJCF text of one morphology, without a terrain's elevations."""
         return fill(self.template, {**self.constants, **self.named(parameters)})
 
     @property

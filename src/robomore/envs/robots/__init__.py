@@ -1,4 +1,4 @@
-"""The five robots as Gymnasium environments: the official v5 classes on bodies of free dimensions.
+"""The five robots as Gymnasium environments: the official v5 classes with free dimensions.
 
 Each class keeps its official observation, reset and step, and adds the same facts for a whole batch
 of simulations at once, which `robomore.envs.vector_env` is built on.

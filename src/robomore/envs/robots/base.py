@@ -1,4 +1,4 @@
-"""What the robots share: a body from a template, a reward from outside, and batched facts."""
+"""What the robots share: a model from a template, a reward from outside, `batch_` methods."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class RobotEnvironment(MujocoEnv):
 
         Args:
             task: whose robot this is.
-            parameters: of its body, in the task's order or by name.
+            parameters: of its morphology, in the task's order or by name.
             reward: called as `reward(self, x_velocity, action)` after every control step.
             render_mode: as in Gymnasium.
             options: of the official class, over those of the task (`reset_noise_scale=…`).
@@ -89,13 +89,12 @@ class RobotEnvironment(MujocoEnv):
 
         Args:
             state: (num_envs, nq + nv) positions and velocities.
-            cfrc_ext: (num_envs, bodies, 6) contact forces; not read where the robot does not
-                observe them.
+            cfrc_ext: (num_envs, bodies, 6) contact forces; only read where the robot observes them.
         """
         return state[:, self.observation_structure["skipped_qpos"] :].copy()
 
     def batch_healthy(self, state: Array) -> NDArray[np.bool_]:
-        """Return (num_envs,) bool: whether episodes may go on in `state` (num_envs, nq + nv)."""
+        """Return (num_envs,) bool: whether episodes may go on from `state` (num_envs, nq + nv)."""
         return np.ones(len(state), dtype=np.bool_)
 
     @classmethod
@@ -160,6 +159,6 @@ def clip_in_place(values: Array, low: float, high: float) -> None:
 
 
 def all_of_each(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return (num_envs,) whether all of a row are true, without the detour of `rows.all`."""
+    """Return (num_envs,) whether all of a row are true; faster than `rows.all(axis=1)`."""
     every: NDArray[np.bool_] = np.logical_and.reduce(rows, axis=1)
     return every
