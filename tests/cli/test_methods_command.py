@@ -55,7 +55,7 @@ def test_options_are_told_from_their_class() -> None:
     assert size.meaning == "How many, over two lines."
     assert (mode.type, mode.meaning) == ("fast or slow", "")
     assert (share.type, share.default) == ("number, above 0, at most 1; or null", None)
-    assert (sizes.type, sizes.default) == ("list of whole number", [1, 2])
+    assert (sizes.type, sizes.default) == ("list, each whole number", (1, 2))
 
 
 def test_a_method_written_in_no_file_has_options_without_meaning(

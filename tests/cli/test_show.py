@@ -36,7 +36,7 @@ def test_show_prints_which_half_made_the_difference(robomore_: Command, finished
 def test_show_json_is_json_alone(robomore_: Command, finished: Path) -> None:
     said = robomore_("show", finished, "--json")
     assert said.err == ""
-    assert said.json["champion"]["fitness"] == 13.0
+    assert said.json["champion"]["fitness"]["mean"] == 13.0
     assert said.json["provenance"] == PROVENANCE
 
 
