@@ -1,8 +1,8 @@
-"""Learning curves of our CrossQ and of SBX's, at the same settings in the same simulations.
+"""Learning curves of our CrossQ and of SBX's, at the same settings in the same environments.
 
     python benchmarks/against_sbx.py [--robots half-cheetah hopper] [--seeds 3] [--steps 51200]
 
-Both have SBX's defaults but for the networks and the batch (128), 16 simulations, and 16 gradient
+Both have SBX's defaults but for the networks and the batch (128), 16 environments, and 16 gradient
 steps every 128 control steps. What is compared is learning, so the curves should lie within each
 other's spread over seeds; what it costs is `update.py`. Needs SBX: pip install sbx-rl
 """
@@ -27,16 +27,16 @@ from robomore.training.threads import use_one_thread
 from robomore.types import TrainerSettings
 
 SAME: dict[str, Any] = {
-    "hidden": [128, 128],
+    "net_arch": [128, 128],
     "batch_size": 128,
     "min_q_weight": 1.0,
-    "n_step": 1,
+    "n_steps": 1,
     "init_alpha": 1.0,
     "alpha_lr": 1e-3,
     "deterministic_env_fraction": 0.0,
     "policy_ema_fraction": 0.0,
-    "snapshots": 1,
-    "discount": 0.99,
+    "num_eval_checkpoints": 1,
+    "gamma": 0.99,
 }
 EVERY = 12_800
 
@@ -51,13 +51,13 @@ def main() -> None:
     for robot in given.robots:
         ours, theirs = [], []
         for seed in range(given.seeds):
-            body = get_task(robot).reference
+            human = get_task(robot).reference
             course = Course(
-                robot, "human", body, seed, TrainerSettings("crossq", SAME), given.steps, EVERY
+                robot, "human", human, seed, TrainerSettings("crossq", SAME), given.steps, EVERY
             )
             ours.append([mark.fitness for mark in follow(course)])
             theirs.append(sbx_curve(robot, seed, given.steps))
-        print(f"\n{robot}, human body: fitness in m, median and range over {given.seeds} seeds")
+        print(f"\n{robot}, human design: fitness in m, median and range over {given.seeds} seeds")
         print(f"{'steps':>8}{'RoboMoRe':>26}{'SBX':>26}")
         for number in range(len(ours[0])):
             columns = "".join(
@@ -80,7 +80,7 @@ def sbx_curve(robot: str, seed: int, steps: int) -> list[float]:
         learning_starts=5_000,
         batch_size=128,
         buffer_size=1_000_000,
-        train_freq=(128 // environment.num_envs, "step"),
+        train_freq=8,
         gradient_steps=16,
         policy_kwargs={"net_arch": [128, 128]},
         seed=seed,

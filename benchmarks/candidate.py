@@ -3,8 +3,8 @@
     python benchmarks/candidate.py [--task half-cheetah] [--preset standard] [--seeds 3]
         [--pairs 3]
 
-Each candidate is `robomore evaluate` in a process of its own: checked, trained in a contained
-child, measured. Compiling is paid by the first one, whose cache is new, and by none after it.
+Each candidate is `robomore evaluate` in a process of its own: checked, trained in a sandboxed
+process, measured. Compiling is paid by the first one, whose cache is new, and by none after it.
 Alone and side by side take turns, so that a machine that changes its pace changes both.
 """
 
@@ -52,7 +52,7 @@ def main() -> None:
         os.environ.update(ONE_THREAD, ROBOMORE_CACHE=cache)
         command = [sys.executable, "-m", "robomore", "evaluate", given.task]
         command += ["--preset", given.preset, "--json"]
-        print(f"{given.task}, human design, preset {given.preset}")
+        print(f"{given.task}, reference design, preset {given.preset}")
         print(f"{'':<22}{'core-s':>8}{'wall s':>8}{'MiB':>7}{'fitness m':>11}")
         costs = []
         for seed in range(given.seeds):

@@ -1,4 +1,4 @@
-"""Learning curves: train a body in this process and measure the policy at some steps on the way.
+"""Fitness curves: train a design in this process, and measure the policy at some steps on the way.
 
 What is measured at a number of steps is what an evaluation with that budget would give: nothing in
 our trainers depends on the budget, so a longer training passes through the shorter ones.
@@ -25,9 +25,10 @@ from robomore.evaluation.measure import choose, measure
 from robomore.identity import derive_seed
 from robomore.tasks import get_task
 from robomore.tasks.task import Task
-from robomore.training.loop import Run
+from robomore.training.loop import TrainingRun
 from robomore.training.settings import make_trainer, settings_from
 from robomore.training.threads import ONE_THREAD
+from robomore.training.tuned import resolve
 from robomore.types import TrainerSettings
 
 HUMAN_FITNESS = {
@@ -40,7 +41,7 @@ HUMAN_FITNESS = {
 """The paper's Human row (its Table 2), in m."""
 
 SLIM = 0.4
-"""Radii of the slim bodies, as a share of the human ones."""
+"""Radii of the slim morphologies, as a fraction of the human ones."""
 
 EPISODES = 10
 
@@ -51,10 +52,10 @@ class Course:
 
     Attributes:
         robot: task whose robot this is.
-        body: name of the body.
-        parameters: of the body, in the task's order.
+        morphology: name of the morphology.
+        parameters: of the morphology, in the task's order.
         seed: of the training.
-        trainer: with its settings.
+        trainer: with the options that are asked for; the robot's tuned ones are put in.
         steps: control steps in all.
         every: control steps between two measurements.
         reward: source text; empty for the reference reward.
@@ -62,7 +63,7 @@ class Course:
     """
 
     robot: str
-    body: str
+    morphology: str
     parameters: tuple[float, ...]
     seed: int
     trainer: TrainerSettings
@@ -77,7 +78,7 @@ class Mark:
     """What a training had come to.
 
     Attributes:
-        robot, body, seed: whose it is.
+        robot, morphology, seed: whose it is.
         steps: control steps done.
         seconds: core-seconds of training, neither compiling nor measuring.
         fitness: in m, over episodes of their own.
@@ -85,7 +86,7 @@ class Mark:
     """
 
     robot: str
-    body: str
+    morphology: str
     seed: int
     steps: int
     seconds: float
@@ -93,10 +94,10 @@ class Mark:
     longest: float
 
 
-def body_of(robot: str, body: str) -> tuple[float, ...]:
-    """Return the human body, or a slim one: its radii cut to `SLIM`, as far as bounds go."""
+def parameters_of(robot: str, morphology: str) -> tuple[float, ...]:
+    """Return the human morphology, or a slim one: its radii cut to `SLIM`, within bounds."""
     task = get_task(robot)
-    if body == "human":
+    if morphology == "human":
         return task.reference
     return task.check(
         [
@@ -109,12 +110,13 @@ def body_of(robot: str, body: str) -> tuple[float, ...]:
 def open_trainer(
     task: Task, parameters: tuple[float, ...], trainer: TrainerSettings, reward: str = ""
 ) -> tuple[Any, VectorEnv]:
-    """Return a trainer and what it trains in: as in an evaluation, but for the containment."""
+    """Return a trainer and what it trains in: as in an evaluation, but without a sandbox."""
+    trainer = resolve(trainer, task)
     settings = settings_from(trainer)
     environment = VectorEnv(
         task,
         parameters,
-        settings.simulations,
+        settings.num_envs,
         reward_function(reward or task.reward),
         episode_seconds=settings.episode_seconds,
     )
@@ -123,13 +125,11 @@ def open_trainer(
 
 def follow(course: Course) -> list[Mark]:
     """Train along `course` and return what was measured."""
-    task, body = get_task(course.robot), course.parameters
-    settings = settings_from(course.trainer)
-    trainer, environment = open_trainer(task, body, course.trainer, course.reward)
+    task, parameters = get_task(course.robot), course.parameters
+    trainer, environment = open_trainer(task, parameters, course.trainer, course.reward)
     trainer.prepare(environment.observation_size, environment.action_size)
-    seed = derive_seed(course.seed, course.robot, course.body)
-    run = Run(trainer, settings, environment, seed)
-    run.observation = environment.reset(seed)
+    seed = derive_seed(course.seed, course.robot, course.morphology)
+    run = TrainingRun(trainer, trainer.settings, environment, seed)
     marks, seconds = [], 0.0
     try:
         while run.steps < course.steps:
@@ -138,13 +138,13 @@ def follow(course: Course) -> list[Mark]:
             while run.steps < min(due, course.steps):
                 run.advance()
             seconds += time.process_time() - began
-            policy = choose(task, body, run.policies(), seed)
-            found = measure(task, body, policy, EPISODES, seed)
+            policy = choose(task, parameters, run.policies(), seed)
+            found = measure(task, parameters, policy, EPISODES, seed)
             length = found.behaviour["episode_seconds"]
             marks.append(
                 Mark(
                     course.robot,
-                    course.body,
+                    course.morphology,
                     course.seed,
                     run.steps,
                     seconds,
@@ -155,7 +155,7 @@ def follow(course: Course) -> list[Mark]:
             if found.fitness >= course.until:
                 break
     except (TrainingDiverged, UnstableSimulation) as error:
-        print(f"{course.robot} {course.body} seed {course.seed}: {error}", flush=True)
+        print(f"{course.robot} {course.morphology} seed {course.seed}: {error}", flush=True)
     return marks
 
 

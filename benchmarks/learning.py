@@ -1,10 +1,10 @@
 """How a trainer learns: fitness against steps and core-seconds, over robots and training seeds.
 
-    python benchmarks/learning.py [--trainer crossq] [--set hidden=[128,128]] [--seeds 3]
-        [--robots hopper walker] [--bodies human slim] [--steps 200000] [--every 25000]
+    python benchmarks/learning.py [--trainer crossq] [--set net_arch=[128,128]] [--seeds 3]
+        [--robots hopper walker] [--morphologies human slim] [--steps 200000] [--every 25000]
         [--workers 1] [--out marks.jsonl]
 
-The study behind the default trainer (docs/trainer.md) is made of these tables.
+The study behind the default trainer (benchmarks/README.md) is made of these tables.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections import defaultdict
 from pathlib import Path
 from statistics import median
 
-from curves import HUMAN_FITNESS, Course, Mark, body_of, follow_all, spread
+from curves import HUMAN_FITNESS, Course, Mark, follow_all, parameters_of, spread
 from robomore.types import TrainerSettings
 
 
@@ -24,7 +24,7 @@ def main() -> None:
     parser.add_argument("--trainer", default="crossq")
     parser.add_argument("--set", nargs="*", default=[], metavar="NAME=VALUE", help="JSON values")
     parser.add_argument("--robots", nargs="*", default=list(HUMAN_FITNESS))
-    parser.add_argument("--bodies", nargs="*", default=["human"], choices=["human", "slim"])
+    parser.add_argument("--morphologies", nargs="*", default=["human"], choices=["human", "slim"])
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--steps", type=int, default=200_000)
@@ -35,25 +35,26 @@ def main() -> None:
     options = {name: json.loads(value) for name, value in (s.split("=", 1) for s in given.set)}
     trainer = TrainerSettings(given.trainer, options)
     courses = [
-        Course(robot, body, body_of(robot, body), seed, trainer, given.steps, given.every)
+        Course(robot, name, parameters_of(robot, name), seed, trainer, given.steps, given.every)
         for robot in given.robots
-        for body in given.bodies
+        for name in given.morphologies
         for seed in range(given.first_seed, given.first_seed + given.seeds)
     ]
     found: dict[tuple[str, str], list[Mark]] = defaultdict(list)
     for number, marks in enumerate(follow_all(courses, given.workers, given.out), start=1):
         for mark in marks:
-            found[mark.robot, mark.body].append(mark)
+            found[mark.robot, mark.morphology].append(mark)
         print(f"\r{number} of {len(courses)} trainings", end="", flush=True)
     print()
-    for (robot, body), marks in found.items():
-        table(robot, body, marks)
+    for (robot, name), marks in found.items():
+        table(robot, name, marks)
 
 
-def table(robot: str, body: str, marks: list[Mark]) -> None:
+def table(robot: str, morphology: str, marks: list[Mark]) -> None:
     """Print one robot's curve, a row for each number of steps."""
-    wanted = f" (the paper's Human row: {HUMAN_FITNESS[robot]} m)" if body == "human" else ""
-    print(f"\n{robot}, {body} body{wanted}")
+    human = morphology == "human"
+    wanted = f" (the paper's Human row: {HUMAN_FITNESS[robot]} m)" if human else ""
+    print(f"\n{robot}, {morphology} morphology{wanted}")
     print(f"{'steps':>9}{'core-s':>8}{'median m':>10}{'spread':>8}{'episode s':>11}  each seed, m")
     for steps in sorted({mark.steps for mark in marks}):
         here = sorted((m for m in marks if m.steps == steps), key=lambda mark: mark.seed)

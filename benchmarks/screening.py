@@ -3,10 +3,10 @@
     python benchmarks/screening.py                    # from the recorded numbers, in a second
     python benchmarks/screening.py --record [--workers 2]    # what it lacks, an hour of one core
 
-Recorded is the grid that the offline designer proposes for one task: 25 bodies and 5 rewards, each
-pair trained to the end and measured at every fifth of the way, and each body under the reference
-reward for the first fifth. The search's own screening then runs on these numbers in the place of
-training.
+The record is a grid that the offline designer proposed for one task: 25 morphologies and 5 rewards,
+each pair trained to the end and measured at every fifth of the way, and each morphology under the
+reference reward for the first fifth. The search's own screening then runs on these numbers in the
+place of training. To record the grid of today's designer, remove the CSV file first.
 """
 
 from __future__ import annotations
@@ -17,14 +17,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
-from robomore.search.coarse import coarse
-from robomore.search.screening import screened
-
 from curves import Course, follow_all
-from robomore.designers.registry import make_designer
-from robomore.events import Event
+from robomore.designers import make_designer
+from robomore.events import Observer, ignore
 from robomore.search.measure import top
-from robomore.settings import SCREENINGS, Screening, standard
+from robomore.search.method import SearchContext
+from robomore.search.robomore.coarse import coarse
+from robomore.search.robomore.planning import COARSE
+from robomore.search.robomore.screening import screened
+from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.settings import Budget, standard
 from robomore.tasks import get_task
 from robomore.types import (
     Design,
@@ -45,6 +47,8 @@ STEPS = 100_000
 PARTS = 5
 REFERENCE = -1
 """Column of the reference reward in the record."""
+GRID = RoboMoReSettings(reference_reward="out", screening="halving")
+"""The grid that was recorded: five proposed rewards beside the reference reward."""
 
 
 def main() -> None:
@@ -89,18 +93,29 @@ def row_of(line: dict[str, str]) -> Row:
     return Row(*place, float(line["fitness"]), float(line["volume"]))
 
 
+def context(observe: Observer = ignore) -> SearchContext:
+    """Return what the search knows of the run."""
+    task = get_task(TASK)
+    reference = Design(Morphology(task.reference), Reward(task.reward))
+    return SearchContext(
+        task=task,
+        reference=reference,
+        candidate=Budget(STEPS),
+        evaluations=125,
+        observe=observe,
+    )
+
+
 def designs() -> list[Trial]:
     """Return the grid that the offline designer proposes."""
     asked: list[Trial] = []
 
-    def note(trials: Sequence[Trial]) -> list[Evaluation]:
+    def note(trials: Sequence[Trial], *, budget_fraction: float = 1.0) -> list[Evaluation]:
         asked.extend(trials)
         return []
 
-    search = standard().search
-    coarse(
-        make_designer("offline", get_task(TASK), seed=0), note, search.morphologies, search.rewards
-    )
+    grid = replace(GRID, screening="none")
+    coarse(make_designer("offline", get_task(TASK), seed=0), note, grid, context())
     return asked
 
 
@@ -108,16 +123,16 @@ def record(workers: int) -> None:
     """Train what the record lacks of the grid, and write it down as it comes."""
     task, trainer = get_task(TASK), standard().trainer
     grid = designs()
-    bodies = {trial.place.morphology: trial.design.morphology for trial in grid}
+    morphologies = {trial.place.index[0]: trial.design.morphology for trial in grid}
     found = [row_of(line) for line in lines()]
     known = {(row.morphology, row.reward) for row in found}
-    wanted = [(number, REFERENCE, "") for number in bodies]
-    wanted += [(t.place.morphology, t.place.reward, t.design.reward.source) for t in grid]
+    wanted = [(number, REFERENCE, "") for number in morphologies]
+    wanted += [(*trial.place.index, trial.design.reward.source) for trial in grid]
     courses = [
         Course(
             TASK,
             f"{number} {reward}",
-            bodies[number].parameters,
+            morphologies[number].parameters,
             seed=0,
             trainer=trainer,
             # Screening looks at the reference reward at the first rung alone.
@@ -131,8 +146,8 @@ def record(workers: int) -> None:
     RECORD.parent.mkdir(exist_ok=True)
     for count, marks in enumerate(follow_all(courses, workers, None), start=1):
         for fifth, mark in enumerate(marks, start=1):
-            number, reward = map(int, mark.body.split())
-            volume = task.volume(bodies[number].parameters)
+            number, reward = map(int, mark.morphology.split())
+            volume = task.volume(morphologies[number].parameters)
             found.append(Row(number, reward, fifth, mark.fitness, volume))
         print(f"\r{count} of {len(courses)} trainings", end="", flush=True)
         with RECORD.open("w", newline="") as file:
@@ -145,76 +160,69 @@ def record(workers: int) -> None:
 
 
 def whole(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows of those bodies whose pairs are all there, each to its end."""
-    search = standard().search
+    """Return the rows of those morphologies whose pairs are all there, each to its end."""
     ended = {(row.morphology, row.reward) for row in rows if row.fifth == PARTS}
     looked = {row.morphology for row in rows if row.reward == REFERENCE}
-    bodies = {
+    complete = {
         number
         for number in looked
-        if all((number, reward) in ended for reward in range(search.rewards))
+        if all((number, reward) in ended for reward in range(GRID.rewards))
     }
-    return [row for row in rows if row.morphology in bodies]
+    return [row for row in rows if row.morphology in complete]
 
 
 def report(rows: Sequence[Row]) -> None:
     """Print what each way of screening finds of the true best, and the steps it takes."""
-    bodies = len({row.morphology for row in rows})
-    print(f"the best of {TASK}'s grid, {bodies} bodies and all rewards, found again by screening\n")
+    count = len({row.morphology for row in rows})
+    print(f"the best of {TASK}'s grid, {count} morphologies and all rewards, found by screening\n")
     print(f"{'':<42}{'recall':>8}{'of':>4}{'share of steps':>16}{'best one kept':>15}")
-    halving = SCREENINGS["halving"]
-    assert halving is not None
-    ways: dict[str, Screening] = {
-        "halving (the default)": halving,
-        "halving, all bodies alike": replace(halving, prefilter_fraction=0.0),
-        "prefilter_fraction bodies only": replace(
-            halving, rungs=(replace(halving.rungs[0], kept=1.0),)
+    ways = {
+        "halving (the default)": GRID,
+        "halving, all morphologies alike": replace(GRID, prefilter_fraction=0.0),
+        "fewer rewards for the worst, nothing else": replace(
+            GRID, rungs=(replace(GRID.rungs[0], keep_fraction=1.0),)
         ),
     }
     for name, way in ways.items():
-        found, true, share = screen(rows, way)
+        found, true, fraction = screen(rows, way)
         kept = "yes" if true[0] in found else "no"
         recall = len(set(found) & set(true)) / len(true)
-        print(f"{name:<42}{recall:>8.2f}{len(true):>4}{share:>16.3f}{kept:>15}")
+        print(f"{name:<42}{recall:>8.2f}{len(true):>4}{fraction:>16.3f}{kept:>15}")
 
 
-def screen(rows: Sequence[Row], way: Screening) -> tuple[list[str], list[str], float]:
-    """Return keys of the best that screening finds, keys of the true best, and the share of steps.
+def screen(rows: Sequence[Row], way: RoboMoReSettings) -> tuple[list[str], list[str], float]:
+    """Return keys of the best that screening finds, keys of the true best, and the steps' fraction.
 
     Raises:
         KeyError: the record lacks a pair.
     """
     known = {(row.morphology, row.reward, row.fifth): row for row in rows}
+    pairs = sorted({(r.morphology, r.reward) for r in rows if r.reward != REFERENCE})
     trials = [
         Trial(
             Design(Morphology((float(number),)), Reward(str(reward))),
-            Place(stage="coarse", morphology=number, reward=reward),
+            Place(stage=COARSE, index=(number, reward)),
         )
-        for number, reward in sorted({(row.morphology, row.reward) for row in rows})
-        if reward != REFERENCE
+        for number, reward in pairs
     ]
-    search = standard().search
     spent: dict[str, int] = {}
 
-    def evaluate(asked: Sequence[Trial], *, share: float = 1.0) -> list[Evaluation]:
-        fifth = round(share * PARTS)
+    def evaluate(asked: Sequence[Trial], *, budget_fraction: float = 1.0) -> list[Evaluation]:
+        fifth = round(budget_fraction * PARTS)
         found = []
         for trial in asked:
-            number, reward = round(trial.design.morphology.parameters[0]), REFERENCE
-            if trial.place.stage == "coarse":
-                reward = trial.place.reward
+            number, *column = trial.place.index
+            reward = column[0] if trial.place.stage == COARSE else REFERENCE
             key = f"{number} {reward}"
             spent[key] = max(fifth, spent.get(key, 0))
             found.append(evaluation(key, trial.design, known.get((number, reward, fifth)), fifth))
         return found
 
-    true = [e.key for e in top(evaluate(trials), search.survivors, search.objective)]
+    objective = context().objective
+    true = [e.key for e in top(evaluate(trials), way.survivors, objective)]
     spent.clear()
-    observed: list[Event] = []
-    measured = screened(
-        evaluate, trials, way, Reward("reference"), search.objective, observed.append
-    )
-    best = top(finished(measured), search.survivors, search.objective, len(trials))
+    measured = screened(evaluate, trials, way, context())
+    best = top(finished(measured), way.survivors, objective, len(trials))
     return [e.key for e in best], true, sum(spent.values()) / (PARTS * len(trials))
 
 

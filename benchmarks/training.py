@@ -1,10 +1,10 @@
-"""Core-seconds to the paper's Human fitness on the five human robots: ours against SB3's SAC.
+"""Core-seconds to the paper's Human fitness on the five robots: ours against SB3's SAC.
 
     python benchmarks/training.py [--robots hopper ant] [--seeds 3] [--workers 1]
 
 Ours is the default trainer under the reference reward: trained in the open, measured at intervals,
 until the median over seeds has reached the paper's Human row. The other side is the paper's: SAC of
-Stable-Baselines3 with the paper's settings in the same simulations, for the paper's 1e6 steps. Its
+Stable-Baselines3 with the paper's settings in the same environments, for the paper's 1e6 steps. Its
 time a step is measured in this run, after its warm-up, and multiplied; what it learns is not.
 Needs the extra `sb3`. Compiling and measuring are in neither number.
 """

@@ -1,6 +1,6 @@
 """Gradient steps a second: our CrossQ, SBX's, and the bare matrix products that a step consists of.
 
-    python benchmarks/update.py [--hidden 256] [--batch 256] [--seconds 10]
+    python benchmarks/update.py [--net-arch 256 256] [--batch-size 256] [--seconds 10]
 
 All of them in this one process, on one core, in turns, so that a busy machine hurts all alike.
 For SBX (optional): pip install sbx-rl
@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from robomore.training.crossq import CrossQ
-from robomore.training.loop import Run
+from robomore.training.loop import TrainingRun
 from robomore.training.settings import CrossQSettings
 from robomore.training.threads import use_one_thread
 from robomore.training.trainer import Transition
@@ -32,22 +32,20 @@ UPDATES = 16
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--hidden", type=int, default=256, help="units of both hidden layers")
-    parser.add_argument("--batch", type=int, default=256)
+    parser.add_argument("--net-arch", type=int, nargs="+", default=[256, 256])
+    parser.add_argument("--batch-size", type=int, default=256)
     parser.add_argument("--seconds", type=float, default=10.0, help="of measuring, for each")
     given = parser.parse_args()
     use_one_thread()
-    contenders = {
-        "bare matrix products": bare_products(given.hidden, given.batch),
-        "RoboMoRe": ours(given.hidden, given.batch),
-    }
-    sbx = sbx_crossq(given.hidden, given.batch)
+    sizes = tuple(given.net_arch), given.batch_size
+    contenders = {"bare matrix products": bare_products(*sizes), "RoboMoRe": ours(*sizes)}
+    sbx = sbx_crossq(*sizes)
     if sbx is None:
         print("SBX is not installed here: pip install sbx-rl\n")
     else:
         contenders["SBX"] = sbx
     seconds = in_turns(contenders, given.seconds)
-    print(f"One CrossQ gradient step, [{given.hidden}, {given.hidden}], batch {given.batch},")
+    print(f"One CrossQ gradient step, {given.net_arch}, batch {given.batch_size},")
     print(f"observation {OBSERVATIONS}, action {ACTIONS}, one core of {os.uname().machine}\n")
     print(f"{'':22}{'ms a step':>10}{'steps a second':>16}{'time / bare':>13}{'RoboMoRe is':>15}")
     for name, each in seconds.items():
@@ -58,7 +56,7 @@ def main() -> None:
         )
 
 
-def in_turns(contenders: dict[str, Callable[[], None]], seconds: float) -> dict[str, float]:
+def in_turns(contenders: dict[str, Callable[[], object]], seconds: float) -> dict[str, float]:
     """Return core-seconds of a gradient step: the lower quartile over many short turns."""
     for run in contenders.values():
         run()
@@ -72,25 +70,27 @@ def in_turns(contenders: dict[str, Callable[[], None]], seconds: float) -> dict[
     return {name: float(np.quantile(times, 0.25)) for name, times in found.items()}
 
 
-def ours(hidden: int, batch: int) -> Callable[[], None]:
-    """One bout of learning as in training: sampling and noise included."""
+def ours(net_arch: tuple[int, ...], batch: int) -> Callable[[], object]:
+    """One round of learning as in training: sampling and noise included."""
     settings = CrossQSettings(
-        hidden=(hidden, hidden), batch_size=batch, gradient_steps=UPDATES, buffer_size=50_000
+        net_arch=net_arch, batch_size=batch, gradient_steps=UPDATES, buffer_size=50_000
     )
 
     class Sizes:
-        n, observation_size, action_size = 16, OBSERVATIONS, ACTIONS
-        discount, deterministic_env_fraction = 0.99, 0.0
+        num_envs, observation_size, action_size = 16, OBSERVATIONS, ACTIONS
 
-    run = Run(CrossQ(settings), settings, Sizes(), seed=0)  # type: ignore[arg-type]
+        def reset(self, seed: int) -> Any:
+            return np.zeros((16, OBSERVATIONS))
+
+    run = TrainingRun(CrossQ(settings), settings, Sizes(), seed=0)  # type: ignore[arg-type]
     for observation, action, reward, done, following in random_transitions(500):
-        run.replay.add(
+        run.buffer.add(
             observation, action, Transition(following, reward, done, done & False, following)
         )
     return run._learn
 
 
-def sbx_crossq(hidden: int, batch: int) -> Callable[[], None] | None:
+def sbx_crossq(net_arch: tuple[int, ...], batch: int) -> Callable[[], object] | None:
     """The same through SBX, `None` where it is not installed."""
     try:
         import gymnasium
@@ -110,7 +110,7 @@ def sbx_crossq(hidden: int, batch: int) -> Callable[[], None] | None:
         batch_size=batch,
         buffer_size=50_000,
         gradient_steps=UPDATES,
-        policy_kwargs={"net_arch": [hidden, hidden]},
+        policy_kwargs={"net_arch": list(net_arch)},
         seed=0,
     )
     model.set_logger(configure(None, []))
@@ -124,14 +124,14 @@ def sbx_crossq(hidden: int, batch: int) -> Callable[[], None] | None:
     return learn
 
 
-def bare_products(hidden: int, batch: int) -> Callable[[], None]:
+def bare_products(net_arch: tuple[int, ...], batch: int) -> Callable[[], object]:
     """Nothing but the matrix products of `UPDATES` gradient steps, by the same compiler.
 
     Each product runs in a loop, one number of its result going into the next one's operand, or
     the compiler would do it but once.
     """
-    policy = (OBSERVATIONS, hidden, hidden, 2 * ACTIONS)
-    critic = (OBSERVATIONS + ACTIONS, hidden, hidden, 1)
+    policy = (OBSERVATIONS, *net_arch, 2 * ACTIONS)
+    critic = (OBSERVATIONS + ACTIONS, *net_arch, 1)
     # (critics, rows, inner, columns) of every product, and of how many gradient steps in a round.
     products: list[tuple[tuple[int, int, int, int], float]] = []
     every, delayed = UPDATES, UPDATES / CrossQSettings().policy_delay
@@ -173,7 +173,7 @@ def _repeat(left: jax.Array, right: jax.Array, times: int) -> jax.Array:
 
 
 def random_transitions(steps: int) -> Any:
-    """Yield control steps of 16 simulations."""
+    """Yield control steps of 16 environments."""
     random = np.random.default_rng(0)
     for _ in range(steps):
         yield (

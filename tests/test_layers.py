@@ -49,8 +49,15 @@ APART = {
 """What a package does without although it stands below: an LLM knows no tasks, an executor no
 robots, a search no files and no physics, and a report needs only a run's folder."""
 
-UPWARDS = {("runs/run.py", "report")}
-"""The one import against the order: whoever holds a run asks it for its report."""
+UPWARDS = {
+    ("runs/run.py", "report"),
+    *(
+        (f"tasks/{name}.py", "envs")
+        for name in ("ant", "half_cheetah", "hopper", "swimmer", "walker")
+    ),
+}
+"""Against the order: whoever holds a run asks it for its report, and a task names its environment,
+as text that is imported only where something is simulated."""
 
 NAMED = {("tasks", "envs")}
 """A task names the class of its environment as text; only `envs` ever loads it."""

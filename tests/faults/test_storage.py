@@ -44,33 +44,36 @@ def resize(folder: Path, options: str) -> None:
     subprocess.run(["mount", "-o", f"remount,{options}", str(folder)], check=True)
 
 
-def more(*values: int) -> list[object]:
-    """Return values for the exhaustive tests alone."""
-    return [pytest.param(value, marks=pytest.mark.exhaustive) for value in values]
-
-
-@pytest.mark.parametrize("kib", (380, *more(20, 260, 420)))
+@pytest.mark.parametrize(
+    ("work", "kib"),
+    [
+        ("made_up", 24),
+        ("made_up", 320),
+        *(pytest.param("quick", kib, marks=pytest.mark.exhaustive) for kib in (20, 260, 380, 480)),
+    ],
+)
 def test_a_full_disk_stops_a_run_that_goes_on_once_there_is_space(
-    kib: int, small_disk: Path, trained: Path
+    work: str, kib: int, small_disk: Path, undisturbed: Path, request: pytest.FixtureRequest
 ) -> None:
+    like = undisturbed if work == "made_up" else request.getfixturevalue("trained") / "run"
     resize(small_disk, f"size={kib}k")
     out = small_disk / "run"
-    done = ended(*SMOKE, "--workers", "2", "--out", out, work="quick")
+    done = ended(*SMOKE, "--workers", "2", "--out", out, work=work)
     if done.returncode:
         stopped(done)
         finished = rows(out)
     resize(small_disk, "size=64m")
-    again = ended(*SMOKE, "--workers", "2", "--out", out, work="quick")
+    again = ended(*SMOKE, "--workers", "2", "--out", out, work=work)
     assert again.returncode == 0, again.stderr
     assert not done.returncode or finished.items() <= rows(out).items()
-    same_run(out, trained / "run")
+    same_run(out, like)
     resize(small_disk, "ro")
     shown = ended("show", out, "--json")
     assert shown.returncode == 0, shown.stderr
     resize(small_disk, "rw")
 
 
-@pytest.mark.parametrize("kib", (8, *more(48)))
+@pytest.mark.parametrize("kib", [8, pytest.param(48, marks=pytest.mark.exhaustive)])
 def test_files_that_may_not_grow_stop_a_run_in_the_same_way(
     kib: int, tmp_path: Path, trained: Path
 ) -> None:
@@ -104,12 +107,12 @@ def stopped(done: subprocess.CompletedProcess[str]) -> None:
 
 READ_ONLY = textwrap.dedent(
     """
-    import ctypes, os, sys
+    import ctypes, importlib, os, sys
     from robomore.cli import main
-    from robomore.experiment import run
     from robomore.sandbox.call import Containment
     from robomore.sandbox.linux import landlock
     # It cannot start the process that would try the layers out.
+    run = importlib.import_module("robomore.experiment.run")
     run.choose_containment = lambda asked, ours: (Containment.STRICT, "")
     ctypes.CDLL(None).prctl(38, 1, 0, 0, 0)  # no new privileges
     landlock.restrict(["/"], [os.environ["TMPDIR"], "/dev/null"])

@@ -84,13 +84,13 @@ def render(run: Run) -> str:
         fitness_over_volume=fitness_over_volume(run),
         dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
         curves=learning_curves(run),
-        bodies=_bodies(run),
+        drawings=_drawings(run),
         parameters=parameter_rows(run),
         command=command_line(run.manifest),
     )
 
 
-def _bodies(run: Run) -> dict[str, Markup]:
+def _drawings(run: Run) -> dict[str, Markup]:
     """Return the drawn champion and reference morphology, at one scale."""
     # Drawing needs the simulator; reading a run without drawing it does not.
     from robomore.rendering.drawing import draw

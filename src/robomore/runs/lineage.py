@@ -38,7 +38,7 @@ def same_training(evaluation: Evaluation) -> object:
 
 
 def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
-    """Return the way to one evaluation: from a first idea over each improvement to itself.
+    """Return how one evaluation came about: a first idea, each improvement, and itself.
 
     Args:
         key: of the evaluation.
@@ -47,11 +47,11 @@ def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
     by_key: dict[str, Record] = {}
     for record in records:
         by_key.setdefault(record.evaluation.key, record)
-    way: list[Record] = []
+    found: list[Record] = []
     seen: set[str] = set()
     while key in by_key and key not in seen:
         # An untrusted ledger may name itself as its own parent.
         seen.add(key)
-        way.append(by_key[key])
+        found.append(by_key[key])
         key = by_key[key].place.parent
-    return tuple(reversed(way))
+    return tuple(reversed(found))
