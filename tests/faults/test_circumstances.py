@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 from lives import PATIENCE, life
 from quick_run import SMOKE
+from refusals import Command, refused
 from run_state import champion, numbers, rows, same_run
-from told import Command, refused
 
 import robomore
 from robomore.executors import processes
