@@ -14,7 +14,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Morphology:
-    """The numbers of one morphology, in the task's order, and one line that says the idea behind them."""
+    """Numbers in the order of the task's parameters, and one line that says the idea."""
 
     parameters: tuple[float, ...]
     idea: str = ""

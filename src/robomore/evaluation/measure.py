@@ -68,7 +68,8 @@ def measure(
         seed: the episodes' own seeds are derived from it.
 
     Raises:
-        TrainingDiverged: the policy does not fit the robot (a sandboxed process may have written anything).
+        TrainingDiverged: the policy does not fit the robot (the sandboxed process may write
+            anything).
         UnstableSimulation: the physics diverged over and over.
     """
     env = VectorEnv(task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False)
