@@ -25,7 +25,7 @@ def run(arguments: str) -> str:
     ("arguments", "told"),
     [
         pytest.param(
-            "update.py --hidden 16 --batch 16 --seconds 0.1",
+            "update.py --net-arch 16 16 --batch-size 16 --seconds 0.1",
             ["bare matrix products", "RoboMoRe"],
             marks=pytest.mark.exhaustive,
         ),
@@ -33,7 +33,7 @@ def run(arguments: str) -> str:
         pytest.param(
             "learning.py --robots swimmer --seeds 1 --steps 6400 --every 3200 "
             "--set learning_starts=1024",
-            ["swimmer, human body", "3200", "6400"],
+            ["swimmer, human morphology", "3200", "6400"],
             marks=pytest.mark.exhaustive,
         ),
     ],

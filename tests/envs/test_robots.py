@@ -29,7 +29,8 @@ def test_agrees_with_the_official_class_on_the_same_body(task: str, tmp_path: Pa
     expected, _ = theirs.reset(seed=episode)
     np.testing.assert_array_equal(mine.reset(seed=episode)[0], expected)
     np.testing.assert_array_equal(batch.reset_one(1, episode), expected)
-    for _ in range(1000):
+    # Who does not fall is followed until the episode's time is up.
+    for _ in range(300 if task in ("hopper", "walker") else 1000):
         action = random.uniform(-1, 1, batch.action_size)
         expected, reward, terminated, truncated, _ = theirs.step(action)
         one = mine.step(action)

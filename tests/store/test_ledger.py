@@ -27,7 +27,7 @@ from robomore.types import (
 )
 
 DESIGN = Design(Morphology((0.1, 1 / 3), "thin"), Reward("def _get_rew(): ...", "fast"))
-JOB = Job("ant", DESIGN, TrainerSettings("crossq", {"hidden": [8]}), 100, 2, 7)
+JOB = Job("ant", DESIGN, TrainerSettings("crossq", {"net_arch": [8]}), 100, 2, 7)
 GOOD = Evaluation(
     "k1",
     JOB,
