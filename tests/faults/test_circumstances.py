@@ -32,14 +32,6 @@ CLOCKS = {
 }
 
 
-def test_one_worker_gives_the_same_numbers_as_two(
-    undisturbed: Path, tmp_path: Path, robomore_: Command
-) -> None:
-    out = tmp_path / "run"
-    assert robomore_(*SMOKE, "--workers", "1", "--out", out).status == 0
-    same_run(out, undisturbed)
-
-
 def test_a_jumping_clock_changes_nothing(
     undisturbed: Path, tmp_path: Path, robomore_: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
