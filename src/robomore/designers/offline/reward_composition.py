@@ -7,8 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from robomore.designers.offline.reward_term import Term
-from robomore.designers.offline.reward_terms import TERMS
+from robomore.designers.offline.reward_terms import TERMS, Term
 from robomore.designers.offline.robot_semantics import RobotSemantics
 
 STYLES = ("sum", "table", "balance")

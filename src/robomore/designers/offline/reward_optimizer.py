@@ -11,7 +11,7 @@ import numpy as np
 from robomore.designers.offline.reward_composition import RewardComposition, middle
 from robomore.designers.offline.reward_effects import by_morphology, reward_effects
 from robomore.designers.offline.reward_sampler import RewardSampler
-from robomore.designers.offline.reward_term import Term
+from robomore.designers.offline.reward_terms import Term
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task

@@ -14,8 +14,7 @@ from robomore.designers.offline.reward_composition import (
     parse_composition,
     rounded,
 )
-from robomore.designers.offline.reward_term import Term
-from robomore.designers.offline.reward_terms import suitable
+from robomore.designers.offline.reward_terms import Term, suitable
 from robomore.designers.offline.robot_semantics import robot_semantics
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
