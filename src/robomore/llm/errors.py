@@ -45,16 +45,8 @@ class SchemaRefused(Exception):
 
 
 def translate(error: Exception, name: str, url: str, structured: bool) -> Exception:
-    """Return the error to raise instead of the library's.
-
-    Args:
-        error: one of `LIBRARY_ERRORS`.
-        name: name of the model.
-        url: URL of its server.
-        structured: whether the request had a JSON schema.
-
-    Returns:
-        `TransientError` if a retry may help, `SchemaRefused`, or `InputError`.
+    """Return the error to raise instead of one of `LIBRARY_ERRORS`: a `TransientError` if a retry
+    may help, `SchemaRefused` for a request with a JSON schema (`structured`), or `InputError`.
     """
     if not isinstance(error, ModelAPIError):
         return TransientError(_unreadable(error, name, url))
@@ -122,14 +114,10 @@ def _message(error: ModelAPIError) -> str:
 
 def _short(text: str) -> str:
     line = " ".join(text.split())
-    for secret in _secrets():
+    named = re.compile(r"(KEY|TOKEN|SECRET|PASSWORD)$")
+    secrets = [value for name, value in os.environ.items() if named.search(name)]
+    for secret in sorted((s for s in secrets if len(s) >= 6), key=len, reverse=True):
         line = line.replace(secret, "***")
     # Providers quote a key with its middle masked; the rest of the key is removed too.
     line = re.sub(r"\b(sk|key|AIza)[-_][\w*-]{4,}", "***", line)
     return line if len(line) <= 200 else line[:200] + "…"
-
-
-def _secrets() -> list[str]:
-    named = re.compile(r"(KEY|TOKEN|SECRET|PASSWORD)$")
-    values = (value for name, value in os.environ.items() if named.search(name))
-    return sorted((value for value in values if len(value) >= 6), key=len, reverse=True)

@@ -39,8 +39,7 @@ def open_or_recover(path: Path) -> Ledger:
         copy_ledger(path, copy)
         kept = _salvage(copy, path)
         if kept is None:
-            for name in ("", *BESIDE):
-                copy.with_name(copy.name + name).unlink(missing_ok=True)
+            _remove(copy, "", *BESIDE)
             raise LedgerDamaged(
                 f"the ledger {path} is damaged and nothing in it can be read; restore it from a "
                 "copy, or start anew with another --out"
@@ -57,8 +56,7 @@ def open_or_recover(path: Path) -> Ledger:
 def _salvage(damaged: Path, path: Path) -> int | None:
     """Put the whole rows of `damaged` in the place of `path`; returns how many, `None` for none."""
     partial = path.with_suffix(".partial")
-    for name in ("", *BESIDE):
-        partial.with_name(partial.name + name).unlink(missing_ok=True)
+    _remove(partial, "", *BESIDE)
     kept = 0
     with ExitStack() as stack:
         try:
@@ -77,10 +75,14 @@ def _salvage(damaged: Path, path: Path) -> int | None:
         partial.unlink()
         return None
     # SQLite would take an old log for the new file's.
-    for name in BESIDE:
-        path.with_name(path.name + name).unlink(missing_ok=True)
+    _remove(path, *BESIDE)
     partial.replace(path)
     return kept
+
+
+def _remove(path: Path, *endings: str) -> None:
+    for ending in endings:
+        path.with_name(path.name + ending).unlink(missing_ok=True)
 
 
 def _rows(db: sqlite3.Connection, table: str) -> Iterator[tuple[Any, ...]]:

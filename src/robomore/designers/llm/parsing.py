@@ -55,11 +55,7 @@ def parse_morphology(
         values = task.check(_numbers(found["parameters"]))
     except InvalidMorphology as error:
         raise InvalidReply([str(error).removeprefix(f"{task.id}: ")]) from None
-    for number, earlier in enumerate(taken, start=1):
-        if _same(earlier.parameters, values):
-            raise InvalidReply(
-                [f"this is the same morphology as number {number} of those before it"]
-            )
+    _refuse_repeats("morphology", [_same(earlier.parameters, values) for earlier in taken])
     return Morphology(values, _one_line(found.get("description", "")))
 
 
@@ -89,9 +85,7 @@ def parse_reward(
     if errors:
         raise InvalidReply(errors)
     normalized = _normalized(code)
-    for number, earlier in enumerate(taken, start=1):
-        if _normalized(earlier.source) == normalized:
-            raise InvalidReply([f"this is the same reward as number {number} of those before it"])
+    _refuse_repeats("reward", [_normalized(earlier.source) == normalized for earlier in taken])
     return Reward(code.rstrip() + "\n", _idea(code))
 
 
@@ -105,16 +99,18 @@ def messages(findings: Sequence[Finding]) -> list[str]:
     return [f"line {finding.line}: {finding.message}" for finding in findings]
 
 
+def _refuse_repeats(kind: str, same: list[bool]) -> None:
+    if True in same:
+        number = same.index(True) + 1
+        raise InvalidReply([f"this is the same {kind} as number {number} of those before it"])
+
+
 def _truncation(truncated: bool) -> list[str]:
     return ["the answer was cut off at the length limit; answer more briefly"] if truncated else []
 
 
 def _numbers(given: Any) -> Any:
-    """Return `given` with its values as numbers.
-
-    Raises:
-        InvalidReply: a value is no number.
-    """
+    """Return `given` with its values as numbers, or raise `InvalidReply`."""
     if isinstance(given, dict):
         return {str(name): _number(str(name), value) for name, value in given.items()}
     if isinstance(given, list | tuple):
@@ -171,11 +167,10 @@ def _normalized(code: str) -> str:
 
 
 def _is_text(node: ast.stmt) -> bool:
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-    )
+    match node:
+        case ast.Expr(value=ast.Constant(value=str())):
+            return True
+    return False
 
 
 def _idea(code: str) -> str:

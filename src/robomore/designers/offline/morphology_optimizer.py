@@ -25,19 +25,14 @@ Array = NDArray[np.float64]
 
 CANDIDATES = 400
 """Morphologies that one improvement compares."""
-
 TRUST_RADIUS = 0.22
 """Half-width of the trust region around the best morphology, as a fraction of each range."""
-
 SHRINK_FACTOR = 0.6
 """Factor on the half-width for each failed improvement of the same best morphology."""
-
 MIN_TRUST_RADIUS = 0.04
 """Smallest half-width of the trust region."""
-
 FITNESS_FLOOR = 0.02
 """Lower fitness counts as this fraction of the best one, so that its logarithm is finite."""
-
 MORPHOLOGY_FAILURES = (Status.INVALID_MORPHOLOGY, Status.UNSTABLE)
 """Failures that are due to the morphology. Others may be due to the reward or the machine."""
 

@@ -25,27 +25,20 @@ Array = NDArray[np.float64]
 VOLUME_GAIN = 0.7
 """Log efficiency that 1/e of the volume gains. At equal speed it would be 1, but small and thin
 morphologies learn later."""
-
 STRIDE_GAIN = 1.5
 """Log efficiency that legs of e times the length gain, up to `LEG_LENGTHS[0]`: longer strides."""
-
 LEG_LENGTHS = (1.0, 1.6)
 """Length in m of a leg's moving limbs above which a robot gains nothing, and above which it loses,
 because motors of fixed strength swing long legs slowly."""
-
 SLENDERNESS = (1.5, 50.0)
 """Plausible range of a limb's length over its radius. Below are balls, above are needles."""
-
 MAX_LENGTH_SPREAD, MAX_RADIUS_SPREAD = 0.5, 0.4
 """Largest plausible standard deviation of the logarithm over the limbs of one morphology."""
-
 THIN_FRACTION = 0.2
 """Lower part of a radius's range that is penalized. Such limbs weigh so little that motors of fixed
 strength throw them about."""
-
 MAX_FOLDING = 1.5
 """Largest plausible ratio of a leg's length along its limbs to the distance between its ends."""
-
 LOW_HEIGHT = 0.3
 """A morphology whose height is below this fraction of its reach lies rather than stands."""
 

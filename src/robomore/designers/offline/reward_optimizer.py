@@ -20,16 +20,12 @@ from robomore.types import Evaluation, Reward, Slot
 DOMINANT, NEGLIGIBLE = 0.6, 0.01
 """Mean of a term over that of the leading term, above which it dominates the task, and below which
 it has no effect."""
-
 SLOW = 0.3
 """Forward speed in m/s below which a robot counts as standing still."""
-
 FALL_FRACTION = 0.5
 """Fraction of episodes with a fall from which on stability comes first."""
-
 JERKY = 1.0
 """Mean change of an action per step (at most 2) above which the actions count as jerky."""
-
 DRAWS = 40
 """Changes that are drawn before giving up on an untried one."""
 
