@@ -97,10 +97,9 @@ class MorphologyOptimizer:
 
     def _away_from_failures(self, values: Array, evaluations: Sequence[Evaluation]) -> Array:
         """Return the rows whose nearest evaluated morphology worked, or all if there are none."""
-        failed = [
-            e.design.morphology.parameters for e in evaluations if e.status in MORPHOLOGY_FAILURES
-        ]
-        worked = [e.design.morphology.parameters for e in evaluations if e.ok]
+        tried = [(e.design.morphology.parameters, e) for e in evaluations]
+        failed = [parameters for parameters, e in tried if e.status in MORPHOLOGY_FAILURES]
+        worked = [parameters for parameters, e in tried if e.ok]
         if not failed or not worked:
             return values
         points = self._space.units(values)
@@ -136,16 +135,12 @@ class MorphologyOptimizer:
         """
         fitness = [e.fitness for e in evaluations if e.ok and e.fitness is not None]
         floor = FITNESS_FLOOR * max([*fitness, 1e-9])
-        rows = by_morphology(
-            (
-                e.design.morphology.parameters,
-                e.design.reward.source,
-                float(np.log(max(e.fitness, floor))),
-            )
+        results = [
+            (e.design.morphology.parameters, e.design.reward.source, float(np.log(max(y, floor))))
             for e in evaluations
-            if e.ok and e.fitness is not None
-        )
-        effects = reward_effects(rows)
+            if e.ok and (y := e.fitness) is not None
+        ]
+        rows, effects = by_morphology(results), reward_effects(results)
         means = [np.mean([y - effects[r] for r, y in row.items()]) for row in rows.values()]
         counts = np.array([len(row) for row in rows.values()], float)
         measured = np.array(list(rows), dtype=float)
@@ -159,18 +154,11 @@ class MorphologyOptimizer:
         keys = [e.key for e in history]
         since = history[keys.index(best.key) + 1 :] if best.key in keys else ()
         old = best.design.morphology.parameters
-        failed = [
-            e
-            for e in since
-            if e.design.reward.source == reward
-            and e.design.morphology.parameters != old
-            and self._near(e.design.morphology.parameters, old)
-        ]
-        return max(TRUST_RADIUS * SHRINK_FACTOR ** len(failed), MIN_TRUST_RADIUS)
-
-    def _near(self, one: Sequence[float], other: Sequence[float]) -> bool:
-        difference = self._space.units([one]) - self._space.units([other])
-        return bool(np.abs(difference).max() <= TRUST_RADIUS + 1e-6)
+        since = [e for e in since if e.design.reward.source == reward]
+        others = [new for e in since if (new := e.design.morphology.parameters) != old]
+        apart = (np.abs(self._space.units([new]) - self._space.units([old])) for new in others)
+        failed = sum(bool(step.max() <= TRUST_RADIUS + 1e-6) for step in apart)
+        return max(TRUST_RADIUS * SHRINK_FACTOR**failed, MIN_TRUST_RADIUS)
 
     def _describe(self, new: Sequence[float], old: Sequence[float]) -> str:
         change = (self._space.units([new]) - self._space.units([old]))[0]
