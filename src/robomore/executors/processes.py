@@ -16,7 +16,7 @@ from typing import IO
 import msgspec
 
 from robomore.executors.executor import Done, Failed, Outcome, Progress, never
-from robomore.executors.messages import Call, Progressed, Replied, Reply
+from robomore.executors.worker import Call, Progressed, Replied, Reply
 
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _INHERITED = (

@@ -16,10 +16,8 @@ from robomore.types import Slot
 class Exchange(Completion):
     """A completion with what was asked, as the ledger keeps it.
 
-    Attributes:
-        key: content key of the slot, repair, model, sampling and messages.
-        slot: slot of the `Request`; so are `repair`, `messages` and `sampling`.
-        model: name of the model.
+    `key` is the content key (`exchange_key`) of the model's name and of the `Request`, whose fields
+    are the others.
     """
 
     key: str

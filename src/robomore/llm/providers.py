@@ -87,12 +87,10 @@ def _known(model: str) -> Any:
         return infer_model(model)
     except UserError as error:
         variable = re.search(r"\b[A-Z][A-Z_]*_(?:KEY|TOKEN)\b", str(error))
+        reason = f"model {model!r} cannot be used: " + str(error).partition("\n")[0]
         if variable:
-            raise InputError(
-                f"{provider} needs its key in the environment: {variable[0]} is not set"
-            ) from None
-        reason = str(error).partition("\n")[0]
-        raise InputError(f"model {model!r} cannot be used: {reason}") from None
+            reason = f"{provider} needs its key in the environment: {variable[0]} is not set"
+        raise InputError(reason) from None
 
 
 def _ollama() -> str:

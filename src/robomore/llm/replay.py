@@ -22,11 +22,7 @@ class ReplayModel:
     """
 
     def __init__(self, log: ExchangeLog, by: Literal["content", "slot"] = "content") -> None:
-        """Make a model of a recorded run.
-
-        Args:
-            log: the exchanges of the recorded run.
-            by: whether an exchange is found by the content of the request or by its slot.
+        """Make a model of a recorded run from the log of its exchanges.
 
         Raises:
             InputError: the recording has no exchanges, or by content those of several models.

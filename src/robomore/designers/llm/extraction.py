@@ -74,11 +74,8 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
 
 
 def find_code(text: str, wanted: str) -> tuple[str, bool]:
-    """Return the Python code in `text`, and whether its end was marked.
-
-    Args:
-        text: the reply.
-        wanted: name of the function that the code should define.
+    """Return the Python code in `text` that defines the function `wanted`, or any other function,
+    and whether its end was marked.
 
     Raises:
         NotFound: there is no code, or there are several versions of it.

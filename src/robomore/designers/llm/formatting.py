@@ -25,12 +25,9 @@ def reward_lines(reward: Reward) -> list[str]:
 
 
 def evaluation_lines(evaluation: Evaluation, label: str, full: int = 0) -> list[str]:
-    """Return all that an evaluation measured, or why it failed.
+    """Return all that an evaluation measured, or why it failed. The first line starts with `label`.
 
-    Args:
-        evaluation: what is described.
-        label: start of the first line.
-        full: steps of a full training. An evaluation with fewer steps says so.
+    An evaluation with fewer training steps than `full` says so.
     """
     if not evaluation.ok:
         return [f"{label}: {failure(evaluation)}"]

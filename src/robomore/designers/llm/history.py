@@ -127,10 +127,7 @@ def full_steps(history: Sequence[Evaluation]) -> int:
 def select(entries: Sequence[Entry], settings: HistorySettings, plural: str) -> SelectedHistory:
     """Return the entries that fit into the token budget, oldest first.
 
-    Args:
-        entries: all entries, oldest first.
-        settings: token budget and rule.
-        plural: plural of what an entry is, for the sentence on the selection.
+    `plural` is the plural of what an entry is, for the sentence on the selection.
     """
     chosen = choose(entries, settings)
     text = "\n\n".join(entries[index].text for index in sorted(chosen))
@@ -190,7 +187,8 @@ def _entries(
     # A design that was proposed twice was measured once.
     for evaluation in {e.key: e for e in history}.values():
         grouped[key(evaluation.design)].append(evaluation)
-    full, entries, (current, other) = full_steps(history), [], labels
+    current, other = labels
+    full, entries = full_steps(history), []
     for number, measured in enumerate(grouped.values(), start=1):
         design = measured[0].design
         here = [e for e in measured if is_current(e.design)]

@@ -21,11 +21,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?")
 
 
 class InvalidReply(Exception):
-    """A reply that cannot be used.
-
-    Attributes:
-        errors: what is wrong, each error in words that the model can act on.
-    """
+    """A reply that cannot be used, with its `errors` in words that the model can act on."""
 
     def __init__(self, errors: Sequence[str]) -> None:
         super().__init__("; ".join(errors))
