@@ -103,12 +103,8 @@ class BudgetedClient:
                 spent = self._log.spent()
         self._watch(spent)
         _log.info(
-            "%s answered %s in %.1f s (%d + %d tokens)",
-            exchange.model,
-            request.slot,
-            exchange.seconds,
-            exchange.input_tokens,
-            exchange.output_tokens,
+            f"{exchange.model} answered {request.slot} in {exchange.seconds:.1f} s "
+            f"({exchange.input_tokens} + {exchange.output_tokens} tokens)"
         )
         return exchange
 

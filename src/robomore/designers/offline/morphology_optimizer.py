@@ -57,9 +57,8 @@ class MorphologyOptimizer:
         known = {e.design.morphology.parameters for e in (*history, best)}
         old = best.design.morphology.parameters
         centre = self._space.units([old])[0]
-        others = self._space.units(
-            list(dict.fromkeys(e.design.morphology.parameters for e in history if e.ok))
-        )
+        worked = dict.fromkeys(e.design.morphology.parameters for e in history if e.ok)
+        others = self._space.units(list(worked))
         points = self._candidates(centre, others, self._trust_radius(best, history), random)
         values = self._space.values(points)
         new = np.array([tuple(row) not in known for row in values.tolist()])
@@ -168,6 +167,5 @@ class MorphologyOptimizer:
             if abs(change[i]) > 0.01
         ]
         before, after = self._task.volume(old), self._task.volume(new)
-        return (
-            f"{', '.join(largest) or 'small changes'}; volume {100 * (after / before - 1):+.0f} %"
-        )
+        changed = ", ".join(largest) or "small changes"
+        return f"{changed}; volume {100 * (after / before - 1):+.0f} %"
