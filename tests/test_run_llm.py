@@ -202,8 +202,7 @@ def test_by_slot_another_trainer_gets_the_same_proposals(drafted: Path, tmp_path
 
 def test_only_runs_of_a_model_can_be_replayed(tmp_path: Path) -> None:
     folder = tmp_path / "offline"
-    manifest = Manifest("swimmer", 1, "custom", "offline", "No LLM was used.", 1, TINY)
-    RunFolder.prepare(folder, manifest).release()
+    run("swimmer", TINY, seed=1, executor="untrained", out=folder)
     with pytest.raises(InputError, match="designed by 'offline'"):
         run(
             "swimmer",
