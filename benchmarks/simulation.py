@@ -1,8 +1,8 @@
 """What a control step costs over the bare physics, for each robot.
 
 Each step is done three times from the same states with the same actions, one right after the other:
-bare `mj_step` of all environments, `VectorEnv` without a reward, and `VectorEnv` with the reference
-reward. Medians over steps of the thread's own processor time.
+bare `mj_step` of all simulations, `VectorEnv` without a reward, and `VectorEnv` with the
+reference reward. Medians over steps of the thread's own processor time.
 
     python benchmarks/simulation.py [--num-envs 16] [--steps 300]
 """
@@ -32,7 +32,7 @@ STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 def measure(robot: str, num_envs: int, steps: int) -> list[float]:
-    """Return microseconds per environment and control step: bare, without and with reward."""
+    """Return microseconds per simulation and control step: bare, without and with reward."""
     task = get_task(robot)
     rewarded = VectorEnv(task, task.reference, num_envs, reward_function(task.reward))
     unrewarded = VectorEnv(task, task.reference, num_envs)
@@ -50,8 +50,9 @@ def measure(robot: str, num_envs: int, steps: int) -> list[float]:
     times = np.empty((steps + WARM_UP, 3))
     for step in range(len(times)):
         actions = random.uniform(-1, 1, (num_envs, rewarded.action_size))
-        everything = zip(rewarded.data, bare, unrewarded.data, actions, strict=True)
-        for source, plain, other, action in everything:
+        for source, plain, other, action in zip(
+            rewarded.data, bare, unrewarded.data, actions, strict=True
+        ):
             mujoco.mj_getState(model, source, row, STATE)
             for target in (plain, other):
                 mujoco.mj_setState(model, target, row, STATE)
@@ -73,12 +74,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--num-envs", type=int, default=16)
     parser.add_argument("--steps", type=int, default=300)
-    given = parser.parse_args()
-    print(f"{given.num_envs} environments, microseconds per environment and control step,")
+    options = parser.parse_args()
+    print(f"{options.num_envs} simulations, microseconds per simulation and control step,")
     print("and ratios to the bare physics")
     print(f"{'robot':<14}{'mj_step':>10}{'no reward':>18}{'reward':>18}")
     for robot in ROBOTS:
-        bare, *sides = measure(robot, given.num_envs, given.steps)
+        bare, *sides = measure(robot, options.num_envs, options.steps)
         columns = "".join(f"{side:>11.1f}{side / bare:>7.2f}" for side in sides)
         print(f"{robot:<14}{bare:>10.1f}{columns}")
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import socket
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+from shared import made_once
 
 _LOOPBACK = {"127.0.0.1", "::1", "localhost"}
 
@@ -21,3 +24,16 @@ def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
         connect(self, address)
 
     monkeypatch.setattr(socket.socket, "connect", guarded)
+
+
+@pytest.fixture(scope="session")
+def trained_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a whole run that was really trained. Copy it before you write to it."""
+
+    def make(out: Path) -> None:
+        from robomore.experiment import run
+        from tiny import TINY
+
+        run("swimmer", TINY, seed=1, workers=2, out=out)
+
+    return made_once(tmp_path_factory, "trained_run", make)

@@ -49,8 +49,18 @@ APART = {
 """What a package does without although it stands below: an LLM knows no tasks, an executor no
 robots, a search no files and no physics, and a report needs only a run's folder."""
 
-UPWARDS = {("runs/run.py", "report")}
-"""The one import against the order: whoever holds a run asks it for its report."""
+UPWARDS = {
+    ("runs/run.py", "report"),
+    *(
+        (f"tasks/{name}.py", "envs")
+        for name in ("ant", "half_cheetah", "hopper", "swimmer", "walker")
+    ),
+}
+"""Against the order: whoever holds a run asks it for its report, and a task names its environment,
+as text that is imported only where something is simulated."""
+
+NAMED = {("tasks", "envs")}
+"""A task names the class of its environment as text; only `envs` ever loads it."""
 
 HEAVY = ("gymnasium", "jax", "jaxlib", "matplotlib", "mujoco", "plotly", "ray", "scipy", "torch")
 MODEL_LIBRARIES = ("anthropic", "google.genai", "openai", "pydantic_ai")
@@ -84,7 +94,8 @@ def imported(module: Path) -> Iterator[tuple[int, str]]:
                 raise AssertionError(f"{module.name}:{node.lineno}: import by full name")
             case ast.Constant(value=str(text)) if reference := _REFERENCE.fullmatch(text):
                 # Groups of entry points look the same, but name no module.
-                found = ["robomore" + reference[1]] if top_name(text) in RANK else []
+                named = (importer(module), top_name(text)) in NAMED
+                found = ["robomore" + reference[1]] if top_name(text) in RANK and not named else []
             case _:
                 continue
         yield from (

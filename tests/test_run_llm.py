@@ -35,7 +35,7 @@ from robomore.runs import load_run
 from robomore.settings import RunSettings, with_method
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import get_task
-from test_run import TINY, numbers
+from tiny import TINY, numbers
 
 pytest.importorskip("pydantic_ai")
 

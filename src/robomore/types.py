@@ -14,7 +14,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Morphology:
-    """The numbers of one body, in the task's order, and one line that says the idea behind them."""
+    """Numbers in the order of the task's parameters, and one line that says the idea."""
 
     parameters: tuple[float, ...]
     idea: str = ""
@@ -30,7 +30,7 @@ class Reward:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """A body and the reward it is trained under: the unit that is evaluated."""
+    """A morphology and the reward it is trained under: the unit that is evaluated."""
 
     morphology: Morphology
     reward: Reward
@@ -109,7 +109,7 @@ class Job:
         task: id of the task.
         design: what is trained.
         trainer: how it is trained.
-        steps: control steps of training in all, counted over all simulations.
+        steps: control steps of training in all, over all environments together.
         episodes: episodes of the final measurement, each with its own seed.
         seed: seeds training; the measurement derives its own seeds from it.
         limits: when to give up.
@@ -162,10 +162,10 @@ class Evaluation:
         status: how it ended.
         diagnosis: empty when `OK`; else one paragraph for people and designers alike.
         fitness: mean over episodes, in m (the task says what is measured).
-        volume: material of the body, in m^3 (sum over geoms, overlaps counted twice).
+        volume: material of the robot, in m^3 (sum over geoms, overlaps counted twice).
         efficiency: fitness / volume, in 1/m^2.
         episode_fitness: fitness of each episode, in m.
-        body: plain facts of the body: `mass` kg, `density` kg/m^3, `rest_height` m.
+        body: plain facts of the robot: `mass` kg, `density` kg/m^3, `rest_height` m.
         behaviour: how the policy moved, name -> value, units in the names.
         terms: statistics of each reward term over training.
         steps: control steps of training done.

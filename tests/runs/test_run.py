@@ -69,6 +69,14 @@ def test_a_headline_takes_three_seeds(tmp_path: Path, seeds: int, shown: bool) -
     assert (found.ratio.interval is not None) is (seeds == 5)
 
 
+def test_the_smoke_preset_has_no_headline_with_any_number_of_seeds(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path, preset="smoke-final-seeds5")
+    run.final(run.coarse())
+    found = load_run(tmp_path)
+    assert found.ratio is not None
+    assert found.headline is None
+
+
 def test_a_champion_that_is_the_reference_has_no_headline(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     run.final(run.coarse(), champion="reference")

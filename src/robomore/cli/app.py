@@ -103,11 +103,20 @@ def _ending(error: BaseException, given: Sequence[str]) -> tuple[str, int]:
             return "", FAILED
         case RoboMoReError() | OSError():
             return _one_line(error), FAILED
+        case _ if _is_interrupted(error):
+            return "stopped", INTERRUPTED
     return (
         f"a fault of RoboMoRe itself: {type(error).__name__}: {_one_line(error)}; "
         "run it again with --debug to see where",
         FAILED,
     )
+
+
+def _is_interrupted(error: BaseException | None) -> bool:
+    """Return whether Ctrl-C is behind an error: packages turn it into another as they load."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def _one_line(error: BaseException) -> str:

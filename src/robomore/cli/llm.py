@@ -109,11 +109,14 @@ def chosen(
     Raises:
         InputError: an option is missing, makes no sense or belongs to another designer.
     """
-    from robomore.designers import LanguageModel, Replay
+    from robomore.designers import DESIGNERS, LanguageModel, Replay
 
     if designer is None and model is None and replay is None:
         return None
     designer = designer or "offline"
+    names = (*DESIGNERS, LanguageModel.name, Replay.name)
+    if designer not in names:
+        raise InputError(f"no designer is called {designer!r}; choose one of {', '.join(names)}")
     if model is not None and designer != LanguageModel.name:
         raise InputError(
             f"options of a language model were given, but the designer is {designer!r}; "

@@ -129,9 +129,7 @@ def _in_words(hint: Any) -> str:
     if origin is Literal:
         return " or ".join(str(value) for value in parts)
     if origin is tuple and parts[-1] is Ellipsis:
-        return f"list of {_in_words(parts[0])}"
-    if origin in (tuple, list):
-        return f"list of {', '.join(map(_in_words, parts))}"
+        return f"list, each {_in_words(parts[0])}"
     if parts:
         return "; or ".join(_in_words(part) for part in parts)
     if is_dataclass(hint):

@@ -2,5 +2,5 @@
 
 `evaluate.evaluate` does one job, the same code here, in a worker process or on a cluster.
 `evaluator.Evaluator` does batches: it looks up what the ledger knows, has the rest done, and writes
-down each as it finishes. `train.train` is the only part that meets a stranger's code.
+down each as it finishes. `train.train` is the only part that runs untrusted code.
 """

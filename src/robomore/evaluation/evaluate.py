@@ -1,6 +1,6 @@
 """One evaluation: check, compile, train, roll out, and divide fitness by volume.
 
-This process is trusted. The design's reward is trained against in a contained child and never
+This process is trusted. The design's reward is trained against in a sandboxed process and never
 loaded here, so it cannot reach the numbers.
 """
 

@@ -1,4 +1,4 @@
-"""What a trained policy is worth: episodes with distinct seeds, and how the body moved in them."""
+"""What a trained policy is worth: episodes with distinct seeds, and how the robot moved in them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Measurement:
     Attributes:
         fitness: mean over episodes, in m.
         episode_fitness: of each episode, in m.
-        behaviour: how the body moved, averaged over episodes, units in the names.
+        behaviour: how the robot moved, averaged over episodes, units in the names.
     """
 
     fitness: float
@@ -41,7 +41,7 @@ def choose(
 
     Args:
         task: says what fitness is.
-        parameters: of the body.
+        parameters: of the morphology.
         policies: from one training, the latest last; among equals the latest is taken.
         seed: as for `measure`.
 
@@ -58,29 +58,28 @@ def choose(
 def measure(
     task: Task, parameters: tuple[float, ...], policy: MLPPolicy, episodes: int, seed: int
 ) -> Measurement:
-    """Return what `policy` is worth in `episodes` episodes of the body, without any reward.
+    """Return what `policy` is worth in `episodes` episodes of the robot, without any reward.
 
     Args:
         task: says what fitness is.
-        parameters: of the body.
+        parameters: of the morphology.
         policy: acts deterministically.
         episodes: how many.
         seed: the episodes' own seeds are derived from it.
 
     Raises:
-        TrainingDiverged: the policy does not fit the body (a child may have written anything).
+        TrainingDiverged: the policy does not fit the robot (the sandboxed process may write
+            anything).
         UnstableSimulation: the physics diverged over and over.
     """
-    simulations = VectorEnv(
-        task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False
-    )
-    expected = simulations.observation_size, simulations.action_size
+    env = VectorEnv(task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False)
+    expected = env.observation_size, env.action_size
     if (policy.weights[0].shape[0], policy.weights[-1].shape[1]) != expected:
         raise TrainingDiverged("the policy that came out of training does not fit the robot")
     seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
-    run = rollout(policy, simulations, seeds)
+    run = rollout(policy, env, seeds)
     worth = run.distance if task.fitness == "distance" else run.highest
-    step_seconds = float(simulations.environment.dt)
+    step_seconds = float(env.environment.dt)
     return Measurement(
         fitness=float(worth.mean()),
         episode_fitness=tuple(float(value) for value in worth),

@@ -29,10 +29,20 @@ def command_line(manifest: Manifest) -> str | None:
         if isinstance(value, dict):
             flag = f"--{option.removesuffix('s').replace('_', '-')}"
             for name, chosen in value.items():
-                words += [flag, f"{name}={json.dumps(chosen)}"]
+                words += [flag, f"{name}={_plain(chosen)}"]
         else:
             words += [f"--{option.replace('_', '-')}", str(value)]
     return shlex.join(words)
+
+
+def _plain(value: object) -> str:
+    """Return a value as the command line reads it: JSON, or text that is no JSON."""
+    if isinstance(value, str):
+        try:
+            json.loads(value)
+        except ValueError:
+            return value
+    return json.dumps(value)
 
 
 def _model_options(manifest: Manifest) -> list[str] | None:

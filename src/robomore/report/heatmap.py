@@ -27,7 +27,7 @@ def heatmap(grid: Grid, objective: str) -> str:
     scores = [c.evaluation.score(objective) for c in grid.cells.values() if c.evaluation]
     positive = [score for score in scores if score is not None and score > 0]
     low, high = (min(positive), max(positive)) if positive else (1.0, 1.0)
-    width = max(26.0, min(110.0, 560 / columns))
+    width = max(26.0, min(110.0, 370 / columns))
     parts = [text("morphology", 0, 10, klass="note")]
     for column in range(columns):
         middle = _LEFT + (column + 0.5) * width

@@ -111,6 +111,11 @@ class Run:
         return self.manifest.plan
 
     @property
+    def is_smoke(self) -> bool:
+        """Whether its preset only checks that everything runs."""
+        return self.manifest.preset.split("-")[0] == "smoke"
+
+    @property
     def objective(self) -> Objective:
         """What the search compared: `efficiency` or `fitness`."""
         return self.manifest.settings.objective
@@ -132,11 +137,11 @@ class Run:
 
     @property
     def headline(self) -> Spread | None:
-        """The ratio, if something was found and has seeds enough to be put into a headline."""
-        if not self.final or self.champion_role == "reference":
+        """The ratio, if something was found, was trained, and has seeds enough for a headline."""
+        manifest = self.manifest
+        if not self.final or self.champion_role == "reference" or self.is_smoke:
             return None
-        enough = self.manifest.settings.final.seeds >= FEWEST_FOR_HEADLINE
-        return self.ratio if enough else None
+        return self.ratio if manifest.settings.final.seeds >= FEWEST_FOR_HEADLINE else None
 
     @cached_property
     def pairs(self) -> Pairs | None:

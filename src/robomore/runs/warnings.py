@@ -41,7 +41,7 @@ def warnings_about(run: Run) -> tuple[str, ...]:
             "The run is not finished: this is the best so far, measured once, and not yet trained "
             "anew beside the reference design."
         )
-    if run.manifest.preset.startswith("smoke"):
+    if run.is_smoke:
         said.append("The smoke preset only checks that everything runs; its budget trains nothing.")
     said += _about_slots(run)
     if run.final:

@@ -1,7 +1,7 @@
 """Replies of all kinds, each in a file of its own with the expected outcome.
 
 A file of `replies/` has headers, `---`, and the reply. Headers: `kind`; `accepted` (the idea of
-the proposal) or `fault` (a part of what the model is told); `truncated`; `escapes` (the reply is
+the proposal) or `fault` (a part of the error); `truncated`; `escapes` (the reply is
 written with Python's escapes); `repeat` (the reply is that often as long).
 """
 
@@ -81,13 +81,13 @@ def test_reply(path: Path) -> None:
     assert time.monotonic() - started < 10.0
 
 
-def test_all_faults_of_the_code_are_told_at_once_with_their_lines() -> None:
+def test_all_errors_of_the_code_come_at_once_with_their_lines() -> None:
     with pytest.raises(InvalidReply) as caught:
         parse_reward("import os\nimport sys\ndef reward(a):\n    return 1\n")
-    told = caught.value.errors
-    assert [fault.split(":")[0] for fault in told[:2]] == ["line 1", "line 1"]
-    assert any("`os`" in fault for fault in told) and any("`sys`" in fault for fault in told)
-    assert any("`reward`" in fault for fault in told)
+    errors = caught.value.errors
+    assert [fault.split(":")[0] for fault in errors[:2]] == ["line 1", "line 1"]
+    assert any("`os`" in fault for fault in errors) and any("`sys`" in fault for fault in errors)
+    assert any("`reward`" in fault for fault in errors)
 
 
 def test_warnings_do_not_stop_a_reward() -> None:

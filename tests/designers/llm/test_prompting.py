@@ -1,4 +1,4 @@
-"""What a model is told: everything the paper's prompts tell it, and nothing that gives it away."""
+"""What the prompts hold: everything the paper's prompts hold, and nothing of the reference."""
 
 from __future__ import annotations
 
@@ -58,29 +58,29 @@ def windows(text: str, length: int) -> set[tuple[str, ...]]:
 
 
 @EACH
-def test_the_morphology_prompt_tells_all(task: Task) -> None:
-    told = text_of(task, "morphology")
-    assert task.description in told and task.masked_mjcf.strip() in told
+def test_the_morphology_prompt_is_complete(task: Task) -> None:
+    prompt = text_of(task, "morphology")
+    assert task.description in prompt and task.masked_mjcf.strip() in prompt
     for parameter in task.parameters:
-        (row,) = [line for line in told.split("\n") if line.startswith(f"| {parameter.name} |")]
+        (row,) = [line for line in prompt.split("\n") if line.startswith(f"| {parameter.name} |")]
         assert parameter.meaning in row and parameter.unit in row
         assert f"| {parameter.low:g} | {parameter.high:g} |" in row
-        assert f'"{parameter.name}": …' in told
-    assert all(rule.text in told for rule in task.rules)
-    assert "fitness / volume" in told and "description" in told
+        assert f'"{parameter.name}": …' in prompt
+    assert all(rule.text in prompt for rule in task.rules)
+    assert "fitness / volume" in prompt and "description" in prompt
 
 
 @EACH
-def test_the_reward_prompt_tells_all(task: Task) -> None:
-    told = text_of(task, "reward")
-    assert task.description in told and environment_source(task).strip() in told
+def test_the_reward_prompt_is_complete(task: Task) -> None:
+    prompt = text_of(task, "reward")
+    assert task.description in prompt and environment_source(task).strip() in prompt
     for needed in ("def _get_rew(self, x_velocity, action)", "return reward, terms", "np.exp"):
-        assert needed in told
+        assert needed in prompt
 
 
 @EACH
 @pytest.mark.parametrize("kind", ["morphology", "reward"])
-def test_no_prompt_depends_on_a_human_number(task: Task, kind: str) -> None:
+def test_no_prompt_depends_on_a_reference_number(task: Task, kind: str) -> None:
     other = tuple(
         dataclasses.replace(p, reference=p.reference + 0.137 * (p.high - p.reference))
         for p in task.parameters
@@ -90,13 +90,13 @@ def test_no_prompt_depends_on_a_human_number(task: Task, kind: str) -> None:
 
 
 @EACH
-def test_no_human_number_is_left_in_the_mjcf(task: Task) -> None:
+def test_no_reference_number_is_left_in_the_mjcf(task: Task) -> None:
     """Whatever gives the robot its shape is a placeholder, but for zeros."""
     # The swimmer's first link hangs on a frame whose place means nothing.
     allowed = {0.0, 0.5} if task.id == "swimmer" else {0.0}
     assert not (allowed - {0.0}) & set(task.reference)
-    told = text_of(task, "morphology")
-    root = ElementTree.fromstring(re.search(r"```xml\n(.*?)\n```", told, re.DOTALL)[1])
+    prompt = text_of(task, "morphology")
+    root = ElementTree.fromstring(re.search(r"```xml\n(.*?)\n```", prompt, re.DOTALL)[1])
     worldbody = root.find("worldbody")
     checked = 0
     for robot in worldbody.findall("body"):
@@ -109,7 +109,7 @@ def test_no_human_number_is_left_in_the_mjcf(task: Task) -> None:
                 checked += attribute in element.attrib
     assert checked > 5
     numbers = {f"{p.reference:g}" for p in task.parameters if p.reference not in (0.0, 1.0)}
-    placeholders = " ".join(re.findall(r"\{([^}]*)\}", told.split("```xml")[1].split("```")[0]))
+    placeholders = " ".join(re.findall(r"\{([^}]*)\}", prompt.split("```xml")[1].split("```")[0]))
     assert not numbers & set(re.findall(r"\d+\.?\d*", placeholders))
 
 
@@ -125,25 +125,25 @@ def secrets(task: Task) -> str:
     return "\n".join(found)
 
 
-def leaks(task: Task, told: str) -> set[tuple[str, ...]]:
+def leaks(task: Task, prompt: str) -> set[tuple[str, ...]]:
     """Runs of six words and signs that stand both in the prompt and in the secrets."""
     lines = [
         line
         for line in secrets(task).split("\n")
         if not re.match(r"\s*(@|def |return reward, |return \w+$)", line)
     ]
-    return windows("\n".join(lines), 6) & windows(told, 6)
+    return windows("\n".join(lines), 6) & windows(prompt, 6)
 
 
 @EACH
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_fragment_of_the_official_reward(task: Task, kind: str) -> None:
-    told = text_of(task, kind)
-    assert not leaks(task, told)
+    prompt = text_of(task, kind)
+    assert not leaks(task, prompt)
     for name in re.findall(r"self\.(_\w*(?:weight|reward|cost)\w*)", secrets(task)):
-        assert name not in told
+        assert name not in prompt
     for name in ("forward_reward", "ctrl_cost", "reward_weight", "cost_weight", "reward_info"):
-        assert name not in told
+        assert name not in prompt
 
 
 @EACH
@@ -164,14 +164,16 @@ def test_the_texts_hint_at_no_answer(file: str) -> None:
 
 def test_diversity_shows_all_earlier_proposals() -> None:
     earlier = [body(0.1 + 0.01 * i, idea=f"idea {i}") for i in range(40)]
-    told = text_of(SWIMMER, "morphology", earlier=earlier)
+    prompt = text_of(SWIMMER, "morphology", earlier=earlier)
     for number, proposal in enumerate(earlier, start=1):
-        assert f"## Number {number}\nParameters: front_length {proposal.parameters[0]:.6g}" in told
-        assert proposal.idea in told
-    assert "(40)" in told and "different" in told
+        assert (
+            f"## Number {number}\nParameters: front_length {proposal.parameters[0]:.6g}" in prompt
+        )
+        assert proposal.idea in prompt
+    assert "(40)" in prompt and "different" in prompt
     programs = [reward(1 + i / 8) for i in range(10)]
-    told = text_of(SWIMMER, "reward", earlier=programs)
-    assert all(program.source.strip() in told for program in programs)
+    prompt = text_of(SWIMMER, "reward", earlier=programs)
+    assert all(program.source.strip() in prompt for program in programs)
     assert "Earlier" not in text_of(SWIMMER, "reward")
 
 
@@ -181,14 +183,15 @@ def test_improvement_shows_scores_terms_movement_and_failures(kind: str) -> None
     best = evaluation(first, reward(2), 4.0)
     failed = evaluation(second, reward(2), None, "line 3: division\nby zero")
     other = evaluation(first, reward(3), 1.5)
-    told = text_of(SWIMMER, kind, best=best, measured=[best, failed, other])
+    prompt = text_of(SWIMMER, kind, best=best, measured=[best, failed, other])
     assert (
-        f"efficiency {best.efficiency:.4g} m/m³ (fitness 4 m, volume {best.volume:.4g} m³)" in told
+        f"efficiency {best.efficiency:.4g} m/m³ (fitness 4 m, volume {best.volume:.4g} m³)"
+        in prompt
     )
-    assert "speed 0.5 (-0.25 to 1.75)" in told
-    assert "mean_speed_m_per_s 0.08" in told
-    assert "failed (reward-failed): line 3: division by zero" in told
-    assert "front_length 0.3" in told and reward(2).source.strip() in told
+    assert "speed 0.5 (-0.25 to 1.75)" in prompt
+    assert "mean_speed_m_per_s 0.08" in prompt
+    assert "failed (reward-failed): line 3: division by zero" in prompt
+    assert "front_length 0.3" in prompt and reward(2).source.strip() in prompt
 
 
 def test_improvement_needs_something_measured() -> None:
@@ -201,11 +204,11 @@ def test_improvement_needs_something_measured() -> None:
 def test_a_cut_history_says_so() -> None:
     measured = [evaluation(body(0.1 + 0.01 * i), reward(), i) for i in range(60)]
     settings = HistorySettings(tokens=900, rule="best+worst")
-    told = text_of(
+    prompt = text_of(
         SWIMMER, "improve-morphology", best=measured[-1], measured=measured, settings=settings
     )
-    assert re.search(r"These are \d of the 60 morphologies that were measured", told)
-    assert "taken in turn (the best by score; the worst by score)" in told
+    assert re.search(r"These are \d of the 60 morphologies that were measured", prompt)
+    assert "taken in turn (the best by score; the worst by score)" in prompt
 
 
 @pytest.mark.parametrize("objective", ["efficiency", "fitness"])

@@ -7,62 +7,71 @@ import subprocess
 import sys
 import textwrap
 import time
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
 import msgspec
 import pytest
 
+from faults.quick_run import SMOKE, command, ended, environment
+from faults.run_state import rows
 from robomore.errors import RunFolderError
 from robomore.experiment import evaluate, run
-from robomore.settings import PRESETS, Budget, RunSettings, SearchSettings, preset
+from robomore.settings import PRESETS, preset, with_method
 from robomore.store import Ledger, RunFolder
 from robomore.tasks import get_task
 from robomore.training.settings import settings_from
-from robomore.types import Evaluation, Status, TrainerSettings
+from robomore.types import Evaluation
+from tiny import TINY, numbers
 
-TRAINER = TrainerSettings(
-    "crossq",
-    # Small and eager: it need not get far, only somewhere.
-    {"hidden": [32], "batch_size": 32, "learning_starts": 256},
-)
-TINY = RunSettings(
-    search=SearchSettings(morphologies=2, rewards=1, survivors=0.5, max_cycles=1, repeats=1),
-    trainer=TRAINER,
-    candidate=Budget(steps=768, episodes=2),
-    final=Budget(steps=512, episodes=1),
-)
+METHODS = {"robomore": (1, 4), "random": (1, 3), "reference": (0,)}
+"""Method -> how many evaluations are kept when its run is killed, once or twice."""
 
 
-def numbers(folder: Path) -> list[tuple[str, Status, float | None, float | None]]:
-    """Everything that has to be the same in two runs of one seed."""
-    ledger = Ledger(RunFolder.existing(folder).ledger, read_only=True)
-    placed = [(repr(p), e.key, e.status, e.fitness, e.efficiency) for p, e in ledger.placed()]
-    ledger.close()
-    return sorted(placed)
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run with two workers."""
-    return run("swimmer", TINY, seed=1, workers=2, out=tmp_path_factory.mktemp("run") / "a").folder
-
-
-def test_a_run_ends_with_a_champion_and_its_files(finished: Path) -> None:
-    folder = RunFolder.existing(finished)
+def test_a_run_ends_with_a_champion_and_its_files(trained_run: Path) -> None:
+    folder = RunFolder.existing(trained_run)
     for name in ("design.json", "reward.py", "robot.xml", "policy.npz"):
         assert (folder.champion / name).is_file(), name
     assert not list(folder.scratch.glob("*"))
     design = msgspec.json.decode((folder.champion / "design.json").read_bytes())
     get_task("swimmer").check(design["parameters"])
     stages = [place.stage for place, _ in Ledger(folder.ledger, read_only=True).placed()]
-    assert stages == ["coarse"] * 2 + ["fine"] * 2 + ["final"] * 2
+    assert stages == ["coarse"] * 2 + ["fine"] * 2 + ["final"] * 4
 
 
-@pytest.mark.exhaustive  # tests/faults/test_circumstances.py does the same without training
-def test_one_worker_gives_the_same_numbers_as_two(finished: Path, tmp_path: Path) -> None:
-    run("swimmer", TINY, seed=1, workers=1, out=tmp_path / "b")
-    assert numbers(tmp_path / "b") == numbers(finished)
+@pytest.mark.parametrize("method", METHODS)
+def test_one_worker_gives_the_same_numbers_as_two_and_so_does_a_run_that_was_killed(
+    method: str, tmp_path: Path
+) -> None:
+    """Over the command line, with real worker processes; only the numbers are made up."""
+    words = (*SMOKE, "--method", method)
+    for workers in ("1", "2"):
+        done = ended(*words, "--workers", workers, "--out", tmp_path / workers)
+        assert done.returncode == 0, done.stderr
+    assert numbers(tmp_path / "1") == numbers(tmp_path / "2")
+    out = tmp_path / "killed"
+    for kept in METHODS[method]:
+        killed = command(*words, "--workers", "2", "--out", out, work="slow")
+        process = subprocess.Popen(killed, env=environment(), start_new_session=True)
+        _wait(lambda kept=kept: (out / "run.json").exists() and len(rows(out)) >= kept, process)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    assert len(rows(out)) < len({key for _, key, *_ in numbers(tmp_path / "2")}), "killed too late"
+    done = ended(*words, "--workers", "2", "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert numbers(out) == numbers(tmp_path / "2")
+
+
+@pytest.mark.exhaustive  # The same, but trained; the rest of a run is the same for any method.
+@pytest.mark.parametrize("method", METHODS)
+def test_any_method_trains_the_same_with_one_worker_as_with_two(
+    method: str, tmp_path: Path
+) -> None:
+    settings = with_method(TINY, method)
+    for workers in (1, 2):
+        run("swimmer", settings, seed=1, workers=workers, out=tmp_path / str(workers))
+    assert numbers(tmp_path / "1") == numbers(tmp_path / "2")
 
 
 def test_another_seed_gives_other_numbers() -> None:
@@ -70,19 +79,20 @@ def test_another_seed_gives_other_numbers() -> None:
     assert ours.fitness != other.fitness
 
 
-def test_a_finished_run_recomputes_nothing(finished: Path) -> None:
-    before = numbers(finished)
+def test_a_finished_run_recomputes_nothing(trained_run: Path) -> None:
+    before = numbers(trained_run)
     began = time.monotonic()
-    result = run("swimmer", TINY, seed=1, out=finished)
-    # Six trainings take many times as long.
+    result = run("swimmer", TINY, seed=1, out=trained_run)
+    # Eight trainings take many times as long.
     assert time.monotonic() - began < 3
-    assert numbers(finished) == before
-    assert all(e.ok for e in result.champion)
+    assert numbers(trained_run) == before
+    assert result.champion is not None
+    assert all(evaluation.ok for evaluation in result.champion.evaluations)
 
 
 @pytest.mark.exhaustive  # tests/faults/test_kills.py does the same with a quick trainer
 def test_a_run_killed_again_and_again_ends_as_an_uninterrupted_one(
-    finished: Path, tmp_path: Path
+    trained_run: Path, tmp_path: Path
 ) -> None:
     program = textwrap.dedent(
         """
@@ -101,13 +111,13 @@ def test_a_run_killed_again_and_again_ends_as_an_uninterrupted_one(
         process.send_signal(signal.SIGKILL)
         process.wait()
     subprocess.run(command, check=True, timeout=300)
-    assert numbers(out) == numbers(finished)
+    assert numbers(out) == numbers(trained_run)
     assert not _still_running(out), "a worker outlived its run"
 
 
-def test_a_folder_of_another_run_is_refused_before_anything_starts(finished: Path) -> None:
+def test_a_folder_of_another_run_is_refused_before_anything_starts(trained_run: Path) -> None:
     with pytest.raises(RunFolderError, match="task is 'swimmer' there and 'ant' here"):
-        run("ant", TINY, seed=1, out=finished)
+        run("ant", TINY, seed=1, out=trained_run)
 
 
 def test_two_rewards_lead_to_two_policies() -> None:
@@ -167,6 +177,14 @@ def test_every_preset_names_a_trainer_that_there_is(name: str) -> None:
     settings = preset(name)
     rounds = settings_from(settings.trainer)
     assert settings.candidate.steps > rounds.learning_starts + rounds.train_freq
+
+
+def _wait(until: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
+    began = time.monotonic()
+    while not until():
+        assert process.poll() is None, "it ended before it was killed"
+        assert time.monotonic() - began < 120, "it does not get that far"
+        time.sleep(0.02)
 
 
 def _effort(target: float) -> str:

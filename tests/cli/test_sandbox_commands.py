@@ -8,10 +8,7 @@ from pathlib import Path
 import pytest
 
 from robomore.cli.app import main
-from robomore.experiment.containing import choose_containment as _containment
-from robomore.sandbox import layers
-from robomore.sandbox.call import Containment
-from robomore.sandbox.restrictions import REQUIRED, Layer
+from robomore.sandbox.restrictions import REQUIRED
 
 
 def test_doctor_names_every_layer(capsys: pytest.CaptureFixture[str]) -> None:
@@ -40,15 +37,3 @@ def test_a_sound_reward_passes(tmp_path: Path) -> None:
 def test_a_missing_file_is_misuse(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check-reward", "ant", "nowhere.py"]) == 2
     assert "nowhere.py cannot be read" in capsys.readouterr().err
-
-
-def test_only_rewards_of_our_own_may_do_without_layers(monkeypatch: pytest.MonkeyPatch) -> None:
-    missing = [Layer(name, False, "not on this machine") for name in REQUIRED]
-    found = [*missing, Layer("limits", True, "some")]
-    monkeypatch.setattr(layers, "layers", lambda: found)
-    told = f"relaxed (limits; without {', '.join(REQUIRED)})"
-    assert _containment(None, ours=True) == (Containment.RELAXED, told)
-    assert _containment("relaxed", ours=False) == (Containment.RELAXED, told)
-    for asked, ours in ((None, False), ("strict", True), ("strict", False)):
-        with pytest.raises(Exception, match="--containment relaxed"):
-            _containment(asked, ours)

@@ -1,0 +1,59 @@
+"""`play`: any trained design in motion, as a video where there is no screen."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from cli.commands import Command
+from robomore.runs import load_run
+
+
+@pytest.fixture(autouse=True)
+def no_screen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+
+
+@pytest.mark.parametrize("part", ["", "champion", "champion/design.json"])
+def test_play_writes_a_video_where_there_is_no_screen(
+    robomore_: Command, trained_run: Path, tmp_path: Path, part: str
+) -> None:
+    out = tmp_path / "a.webp"
+    said = robomore_("play", trained_run / part, "--seconds", "1", "--drawn", "--out", out)
+    assert said.status == 0, said.err
+    assert "m forward in 40.0 s" in said.out
+    from PIL import Image
+
+    with Image.open(out) as video:
+        assert video.size == (640, 360)
+        assert getattr(video, "n_frames", 1) > 10
+
+
+def test_play_takes_any_evaluation_and_the_reference(
+    robomore_: Command, trained_run: Path, tmp_path: Path
+) -> None:
+    key = load_run(trained_run).searched[0].evaluation.key
+    told = []
+    for options in ([], ["--evaluation", key[:10]], ["--reference"]):
+        said = robomore_(
+            "play", trained_run, *options, "--seconds", "1", "--drawn", "--out", "a.gif"
+        )
+        assert said.status == 0, said.err
+        told.append(said.out)
+    assert len(set(told)) == 3
+
+
+def test_a_policy_that_is_gone_is_named_with_a_remedy(
+    robomore_: Command, trained_run: Path, tmp_path: Path
+) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(trained_run, copy)
+    shutil.rmtree(copy / "artifacts")
+    said = robomore_("play", copy)
+    assert said.status == 2 and "has no policy" in said.err and said.err.count("\n") == 1
+    (copy / "champion" / "policy.npz").unlink()
+    assert robomore_("play", copy / "champion").status == 2

@@ -1,0 +1,95 @@
+"""`show` and `report`: a run looked back at, any of its evaluations too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cli.commands import Command
+from fake_run import PROVENANCE, FakeRun, foreign_run, random_run, reference_run
+from robomore.runs import load_run
+from robomore.runs.words import with_interval
+
+
+def test_show_prints_the_champion_and_who_proposed_it(robomore_: Command, finished: Path) -> None:
+    said = robomore_("show", finished)
+    assert said.status == 0
+    assert "preset quick, method robomore, designer offline, seed 7, finished" in said.out
+    assert PROVENANCE in said.out
+    run = load_run(finished)
+    assert run.headline is not None and run.headline.interval is not None
+    assert with_interval(run.headline, digits=3) in said.out
+    assert "±" not in said.out
+    assert "fine: branch 1, cycle 1, new morphology" in said.out
+    assert "def _get_rew" in said.out
+
+
+def test_show_prints_which_half_made_the_difference(robomore_: Command, finished: Path) -> None:
+    said = robomore_("show", finished)
+    assert "found morphology" in said.out and "reference reward" in said.out
+    run = load_run(finished)
+    assert run.pairs is not None
+    assert said.words.count(run.pairs.verdict) == 1
+
+
+def test_show_json_is_json_alone(robomore_: Command, finished: Path) -> None:
+    said = robomore_("show", finished, "--json")
+    assert said.err == ""
+    assert said.json["champion"]["fitness"]["mean"] == 13.0
+    assert said.json["provenance"] == PROVENANCE
+
+
+def test_show_of_a_run_that_goes_on(robomore_: Command, tmp_path: Path) -> None:
+    FakeRun(tmp_path / "run").coarse()
+    said = robomore_("show", tmp_path / "run")
+    assert "not finished" in said.out
+    assert "best so far" in said.out
+
+
+@pytest.mark.parametrize("make", [random_run, reference_run, foreign_run])
+def test_show_and_report_know_no_method(robomore_: Command, tmp_path: Path, make: object) -> None:
+    make(tmp_path / "run")  # type: ignore[operator]
+    assert robomore_("show", tmp_path / "run").status == 0
+    assert robomore_("report", tmp_path / "run").status == 0
+
+
+def test_show_takes_any_evaluation_by_the_beginning_of_its_key(
+    robomore_: Command, finished: Path
+) -> None:
+    said = robomore_("show", finished, "--evaluation", "key001")
+    assert said.status == 0
+    assert "reference" in said.out
+    failed = robomore_("show", finished, "--evaluation", "key008")
+    assert failed.status == 0 and "reward-failed" in failed.out
+    other = robomore_("show", finished, "--reference")
+    assert other.status == 0 and "def _get_rew" in other.out
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (("--evaluation", "key"), "evaluations begin with 'key'"),
+        (("--evaluation", "nope"), "no evaluation has the key 'nope'"),
+        (("--evaluation", "key001", "--reference"), "not both"),
+    ],
+)
+def test_an_evaluation_that_is_not_there_is_named(
+    robomore_: Command, finished: Path, options: tuple[str, ...], expected: str
+) -> None:
+    for command in ("show", "report", "play"):
+        said = robomore_(command, finished, *options)
+        assert said.status == 2 and expected in said.err and said.err.count("\n") == 1
+
+
+def test_the_reference_comes_with_the_final(robomore_: Command, tmp_path: Path) -> None:
+    FakeRun(tmp_path / "run").coarse()
+    said = robomore_("show", tmp_path / "run", "--reference")
+    assert said.status == 2 and "has no final yet" in said.err
+
+
+def test_report_writes_where_it_is_told(robomore_: Command, finished: Path, tmp_path: Path) -> None:
+    assert robomore_("report", finished).out.strip() == str(finished / "report.html")
+    assert (finished / "report.html").stat().st_size > 10_000
+    assert robomore_("report", finished, "--out", tmp_path / "page.html").status == 0
+    assert (tmp_path / "page.html").is_file()

@@ -1,0 +1,85 @@
+"""`compare` and `export`: runs as tables."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import pytest
+
+from cli.commands import Command
+from fake_run import FakeRun, random_run
+from robomore.runs import load_run
+
+
+@pytest.fixture(scope="module")
+def others(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A run of another method, and one that goes on."""
+    folder = tmp_path_factory.mktemp("others")
+    random_run(folder / "random")
+    FakeRun(folder / "open").coarse()
+    return folder / "random", folder / "open"
+
+
+def test_compare_prints_a_row_for_each_run(
+    robomore_: Command, finished: Path, others: tuple[Path, Path]
+) -> None:
+    said = robomore_("compare", finished, *others)
+    assert said.status == 0, said.err
+    head, first, second, third = said.out.splitlines()
+    assert "over the reference" in head
+    assert first.split()[:4] == ["finished", "swimmer", "robomore", "7"]
+    assert "95 % interval" in first and "5 seeds" in first
+    assert second.split()[2] == "random"
+    assert "not finished" in third
+
+
+def test_compare_gives_the_same_rows_as_json_and_as_csv(
+    robomore_: Command, finished: Path, others: tuple[Path, Path], tmp_path: Path
+) -> None:
+    rows = robomore_("compare", finished, *others, "--json").json
+    assert [row["method"] for row in rows] == ["robomore", "random", "robomore"]
+    assert rows[0]["ratio_low"] < rows[0]["ratio"] < rows[0]["ratio_high"]
+    assert robomore_("compare", finished, *others, "--csv", tmp_path / "a.csv").status == 0
+    text = robomore_("compare", finished, *others, "--csv", "-").out
+    assert (tmp_path / "a.csv").read_text() == text.replace("\r\n", "\n")
+    read = list(csv.DictReader(io.StringIO(text)))
+    assert [float(row["champion"]) for row in read] == [row["champion"] for row in rows]
+
+
+def test_export_writes_every_evaluation(robomore_: Command, finished: Path, tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    said = robomore_("export", finished, "--csv", file)
+    assert said.status == 0 and str(file) in said.out
+    with file.open(newline="") as text:
+        read = list(csv.DictReader(text))
+    assert len(read) == len(load_run(finished).records)
+    shown = robomore_("export", finished, "--csv", "-").out
+    assert list(csv.DictReader(io.StringIO(shown))) == read
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("compare",), "which runs?"),
+        (("compare", "RUN", "nowhere"), "nowhere is not a run folder"),
+        (("compare", "RUN", "--csv", "nowhere/a.csv"), "cannot write nowhere/a.csv"),
+        (("export", "RUN"), "--csv FILE"),
+        (("export", "RUN", "--csv", "a", "--parquet", "b"), "--parquet FILE"),
+        (("export", "RUN", "--csv", "nowhere/a.csv"), "cannot write nowhere/a.csv"),
+        (("export", "nowhere", "--csv", "a.csv"), "nowhere is not a run folder"),
+    ],
+)
+def test_mistakes_are_one_line(
+    robomore_: Command,
+    finished: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    words: tuple[str, ...],
+    expected: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    said = robomore_(*(str(finished) if word == "RUN" else word for word in words))
+    assert (said.status, said.out) == (2, "")
+    assert expected in said.err and said.err.count("\n") == 1
