@@ -34,7 +34,8 @@ def test_deterministic_environments_act_by_the_policy_itself_once_there_is_one(
 ) -> None:
     settings = replace(SETTINGS, deterministic_env_fraction=fraction)
     environment = Recording()
-    run = TrainingRun(CrossQ(settings), settings, environment, seed=3)
+    # What the compiled step does not read is set past its settings: compiling takes long.
+    run = TrainingRun(CrossQ(SETTINGS), settings, environment, seed=3)
     while not run.updates:
         run.advance()
     for _, actions in environment.seen:

@@ -80,14 +80,15 @@ def test_both_ways_to_the_paper_have_the_same_settings() -> None:
 
 def test_a_third_party_can_add_a_trainer(monkeypatch: pytest.MonkeyPatch) -> None:
     class Point:
-        name = "other"
+        name, value, dist = "other", "other_package:OTHER", None
 
         def load(self) -> settings.Algorithm:
             return settings.Algorithm(CrossQSettings, "robomore.training.crossq:CrossQ")
 
-    monkeypatch.setattr(settings, "entry_points", lambda group: [Point()])
+    # The registry keeps here what it found installed.
+    monkeypatch.setitem(vars(settings.TRAINERS), "_plugins", {"other": Point()})
     assert settings_from(TrainerSettings("other")) == CrossQSettings()
-    with pytest.raises(InputError, match="crossq, other"):
+    with pytest.raises(InputError, match="crossq, sac, sb3, other"):
         settings_from(TrainerSettings("sarsa"))
 
 

@@ -1,8 +1,8 @@
 """The learning curve of a training: recorded as it goes, and checked before it is believed.
 
-A point is kept for each round of training. When there are more than 64, neighbouring points are
-merged in pairs, and from then on a point covers twice as many rounds. No budget enters this, so a
-continued training has the curve of one that was never stopped.
+A point is kept for each round of training. When there are 64, neighbouring points are merged in
+pairs, and from then on a point covers twice as many rounds. No budget enters this, so a continued
+training has the curve of one that was never stopped.
 """
 
 from __future__ import annotations

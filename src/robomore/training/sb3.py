@@ -72,7 +72,6 @@ class _Run:
     def __init__(
         self, settings: SB3Settings, environment: TrainingEnv, budget: int, seed: int
     ) -> None:
-        self.settings = settings
         self.environment = environment
         self.curve = CurveRecorder(environment.num_envs)
         self.model = SAC(
