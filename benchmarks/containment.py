@@ -4,7 +4,7 @@
     python benchmarks/containment.py --task ant --preset quick --repeats 12
 
 The parts are the least of many tries, which a busy machine blurs little. The whole is the same
-training in a contained child and in a plain process, both at the same time, so that whatever slows
+training in a sandboxed process and in a plain process, both at the same time, so that whatever slows
 one down slows the other too; the parent counts in, and of each pair the ratio is taken. It needs
 two cores to itself to be sharp; the interval says how sharp it is.
 """
@@ -63,8 +63,8 @@ def parts() -> Parts:
         plain = [
             _cost(lambda: subprocess.run(bare, check=True, env=environment))[0] for _ in range(20)
         ]
-        contained = [_cost(lambda: _checked("nothing", b"", scratch))[0] for _ in range(20)]
-        starting = min(contained) - min(plain)
+        sandboxed = [_cost(lambda: _checked("nothing", b"", scratch))[0] for _ in range(20)]
+        starting = min(sandboxed) - min(plain)
         print(f"starting: {1e3 * starting:.0f} ms of core more")
 
         before = time.process_time()
@@ -89,7 +89,7 @@ def parts() -> Parts:
 
 
 def whole(options: argparse.Namespace, costs_of: Parts) -> None:
-    """Print what the same training costs contained and plain."""
+    """Print what the same training costs sandboxed and plain."""
     import msgspec
 
     from robomore.envs.vector_env import VectorEnv
@@ -121,12 +121,12 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
         scratch = Path(folder)
         payload = msgspec.json.encode(Request(job, key="", scratch=folder))
 
-        def contained() -> float:
+        def sandboxed() -> float:
             readable = [compiled] if compiled else []
             ended = run_sandboxed(
                 "robomore.evaluation.train:train",
                 payload,
-                scratch / "contained",
+                scratch / "sandboxed",
                 Limits(),
                 readable=readable,
                 environment=extra,
@@ -150,16 +150,16 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
             child.returncode = status
             return used.ru_utime + used.ru_stime
 
-        for way in ("contained", "plain"):
+        for way in ("sandboxed", "plain"):
             (scratch / way).mkdir()
         pairs = []
         with ThreadPoolExecutor(2) as side_by_side:
             for _ in range(options.repeats):
-                both = [side_by_side.submit(_own_cost, way) for way in (plain, contained)]
-                (core, wall), (core_contained, wall_contained) = (one.result() for one in both)
-                pairs.append((core, wall, core_contained, wall_contained))
+                both = [side_by_side.submit(_own_cost, way) for way in (plain, sandboxed)]
+                (core, wall), (core_sandboxed, wall_sandboxed) = (one.result() for one in both)
+                pairs.append((core, wall, core_sandboxed, wall_sandboxed))
                 print(
-                    "plain {:.2f} s of core, {:.2f} s; contained {:.2f}, {:.2f}".format(*pairs[-1])
+                    "plain {:.2f} s of core, {:.2f} s; sandboxed {:.2f}, {:.2f}".format(*pairs[-1])
                 )
     least = _least(pairs, 0)
     # As if the reward were called in every control step, which most are not.
@@ -170,7 +170,7 @@ def whole(options: argparse.Namespace, costs_of: Parts) -> None:
         low, high = _interval(ratios)
         sums = sum(pair[after] for pair in pairs) / sum(pair[before] for pair in pairs)
         print(
-            f"{name} seconds, contained over plain: {statistics.median(ratios):.4f} in the median "
+            f"{name} seconds, sandboxed over plain: {statistics.median(ratios):.4f} in the median "
             f"of {len(ratios)} pairs (95 % interval {low:.4f} to {high:.4f}), {sums:.4f} in total, "
             f"least over least {_least(pairs, after) / _least(pairs, before):.4f}"
         )
@@ -211,7 +211,7 @@ from types import ModuleType
 sys.modules["glfw"] = ModuleType("glfw")
 from robomore.evaluation.train import train
 train(sys.stdin.buffer.read(), Path(sys.argv[1]), lambda steps: None)
-os._exit(0)  # as the contained child does, which spares both what libraries tidy up
+os._exit(0)  # as the sandboxed process does, which spares both what libraries tidy up
 """
 
 
@@ -223,9 +223,9 @@ def _checked(function: str, payload: bytes, scratch: Path) -> None:
     )
 
 
-def _answered(contained: SandboxResult) -> None:
-    if contained.status is not Status.OK:
-        sys.exit(contained.diagnosis)
+def _answered(result: SandboxResult) -> None:
+    if result.status is not Status.OK:
+        sys.exit(result.diagnosis)
 
 
 def _cost(action: Callable[[], object]) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from robomore.errors import InputError
@@ -39,6 +39,7 @@ CHANGES = st.fixed_dictionaries(
 )
 
 
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(name=st.sampled_from(sorted(PRESETS)), chosen=CHANGES)
 def test_what_was_changed_is_found_again(name: str, chosen: dict[str, Any]) -> None:
     settings = with_options(preset(name), **chosen)

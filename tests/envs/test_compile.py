@@ -16,7 +16,7 @@ from robomore.errors import InvalidMorphology
 from robomore.tasks import Task, get_task
 from robomore.tasks.registry import PAPER_TASKS
 
-HUMAN = {  # mass in kg, density in kg/m^3, height of the torso in m
+REFERENCE = {  # mass in kg, density in kg/m^3, height of the torso in m
     "ant": (0.910880, 5, math.hypot(0.4, 0.4) + 0.15),
     "ant-powered": (0.910880, 5, math.hypot(0.4, 0.4) + 0.15),
     "ant-desert": (0.910880, 5, math.hypot(0.4, 0.4) + 0.15),
@@ -34,9 +34,9 @@ def task(request: pytest.FixtureRequest) -> Task:
     return chosen
 
 
-def test_facts_of_the_human_body(task: Task) -> None:
+def test_facts_of_the_reference_body(task: Task) -> None:
     facts = body_facts(task, task.reference)
-    mass, density, height = HUMAN[task.id]
+    mass, density, height = REFERENCE[task.id]
     assert facts["mass"] == pytest.approx(mass, abs=1e-6)
     assert facts["density"] == pytest.approx(density, abs=1e-3)
     assert facts["rest_height"] == pytest.approx(height, abs=1e-9)

@@ -41,12 +41,12 @@ def test_parameters_and_rewards_are_taken_in_every_form() -> None:
         return 2 * x_velocity, {}
 
     text = "def _get_rew(self, x_velocity, action):\n    return 3 * x_velocity, {'m': math.pi}\n"
-    human = TASKS["swimmer"].reference
-    named = dict(zip(TASKS["swimmer"].names, human, strict=True))
+    reference = TASKS["swimmer"].reference
+    named = dict(zip(TASKS["swimmer"].names, reference, strict=True))
     found = []
     for options in (
         {"reward": "def _get_rew(self, v, a):\n    return v, {}\n"},
-        {"reward": double, "parameters": list(human)},
+        {"reward": double, "parameters": list(reference)},
         {"reward": text, "parameters": named},
     ):
         made = gymnasium.make("robomore/Swimmer-v0", **options)

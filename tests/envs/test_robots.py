@@ -52,7 +52,7 @@ def test_agrees_with_the_official_class_on_the_same_body(task: str, tmp_path: Pa
 
 
 @pytest.mark.parametrize("task", [task for task in OFFICIAL if task != "half-cheetah"])
-def test_human_body_moves_as_the_official_robot(task: str) -> None:
+def test_reference_body_moves_as_the_official_robot(task: str) -> None:
     """Started in the same state each time, since differences in the last digit grow.
 
     The official Half-Cheetah is not in the family: some of its parts do not end in its joints.

@@ -96,8 +96,8 @@ def test_limits_of_health_are_the_tasks(task: str) -> None:
     arguments = constructor.args[-len(constructor.defaults) :]
     for argument, default in zip(arguments, constructor.defaults, strict=True):
         values[argument.arg] = default
-    human = dict(zip(TASKS[task].names, TASKS[task].reference, strict=True))
-    for name, value in TASKS[task].options(human).items():
+    reference = dict(zip(TASKS[task].names, TASKS[task].reference, strict=True))
+    for name, value in TASKS[task].options(reference).items():
         if values[name] is not None:
             assert ast.unparse(values[name]) == ast.unparse(ast.parse(str(value)))
     # A limit that follows from the body would tell the official body.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from quick_run import SMOKE, ended, environment
-from told import Command, Said
+from refusals import Command, Said
 
 from robomore.cli.app import main
 from robomore.evaluation import evaluator

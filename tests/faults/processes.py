@@ -1,4 +1,4 @@
-"""A run's processes: the parent, its workers, and the contained child of each."""
+"""A run's processes: the parent, its workers, and the sandboxed process of each."""
 
 from __future__ import annotations
 

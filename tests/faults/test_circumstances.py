@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 from lives import PATIENCE, life
 from quick_run import SMOKE
+from refusals import Command, refused
 from run_state import champion, numbers, rows, same_run
-from told import Command, refused
 
 import robomore
 from robomore.executors import processes
@@ -30,14 +30,6 @@ CLOCKS = {
     "datetime.now",
     "date.today",
 }
-
-
-def test_one_worker_gives_the_same_numbers_as_two(
-    undisturbed: Path, tmp_path: Path, robomore_: Command
-) -> None:
-    out = tmp_path / "run"
-    assert robomore_(*SMOKE, "--workers", "1", "--out", out).status == 0
-    same_run(out, undisturbed)
 
 
 def test_a_jumping_clock_changes_nothing(

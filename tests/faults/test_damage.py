@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from lives import killed_run
 from quick_run import SMOKE
+from refusals import Command, facts, measured, refused
 from run_state import champion, numbers, rows
-from told import Command, facts, measured, refused
 
 from robomore.cli.trained_design import find_policies
 from robomore.errors import InputError

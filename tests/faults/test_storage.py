@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 from lives import killed_run
 from quick_run import SMOKE, command, ended, environment
+from refusals import Command, Said, facts, refused
 from run_state import rows, same_run
-from told import Command, Said, facts, refused
 
 from robomore.evaluation import evaluator
 from robomore.store import Ledger, RunFolder

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from robomore.designers.llm.designer import LLMSettings
@@ -67,6 +67,7 @@ def read(command: str) -> tuple[list[str], dict[str, Any]]:
     return rest, chosen
 
 
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(name=st.sampled_from(sorted(PRESETS)), chosen=CHANGES)
 def test_the_command_gives_the_same_settings(name: str, chosen: dict[str, Any]) -> None:
     wanted = manifest(name, chosen)

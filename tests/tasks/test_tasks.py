@@ -38,11 +38,11 @@ def test_the_eight_tasks_are_there() -> None:
     assert all(task.id == id for id, task in TASKS.items())
 
 
-def test_human_volume(task: Task) -> None:
+def test_reference_volume(task: Task) -> None:
     assert round(task.volume(task.reference), 6) == VOLUMES[task.id]
 
 
-def test_human_body_is_a_valid_one_given_either_way(task: Task) -> None:
+def test_reference_body_is_a_valid_one_given_either_way(task: Task) -> None:
     assert task.check(task.reference) == task.reference
     assert task.check(dict(zip(task.names, task.reference, strict=True))) == task.reference
 

@@ -58,7 +58,7 @@ def task(request: pytest.FixtureRequest) -> Task:
 
 
 @pytest.mark.parametrize("id", ["hopper", "swimmer", "walker", "ant"])
-def test_human_model_is_the_official_one(id: str) -> None:
+def test_reference_model_is_the_official_one(id: str) -> None:
     theirs, ours = pair(id)
     if id == "ant":
         # Where this project deviates: hips and ankles turn further, and the start is lower.
@@ -80,7 +80,7 @@ def test_human_model_is_the_official_one(id: str) -> None:
 
 
 @pytest.mark.parametrize("id", ["hopper", "swimmer", "walker", "ant"])
-def test_human_parts_stand_where_the_official_ones_do(id: str) -> None:
+def test_reference_parts_stand_where_the_official_ones_do(id: str) -> None:
     theirs, ours = pair(id)
     theirs.qpos0[:], theirs.jnt_range[:] = ours.qpos0, ours.jnt_range
     places = []
@@ -111,7 +111,7 @@ def test_half_cheetah_has_the_official_joints_and_contacts_and_weighs_the_same()
     for field in set(FIELDS) - geometric:
         expected, found = getattr(theirs, field), getattr(ours, field)
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9, err_msg=field)
-    # The human vectors are given to a micrometre.
+    # The reference vectors are given to a micrometre.
     np.testing.assert_allclose(ours.geom_size[1:], theirs.geom_size[1:], rtol=0, atol=1e-6)
     np.testing.assert_allclose(ours.body_mass, theirs.body_mass, rtol=0, atol=1e-5)
     direction = [
@@ -141,10 +141,10 @@ def test_masked_text_is_the_template_with_its_constants(task: Task) -> None:
             assert task.masked_mjcf.count(f'gear="{value}"') == 8
 
 
-def test_masked_text_tells_no_human_number(task: Task) -> None:
+def test_masked_text_tells_no_reference_number(task: Task) -> None:
     """No size or place of the robot's own parts may be readable."""
-    human = {abs(parameter.reference) for parameter in task.parameters} - {0.0}
-    human |= {(a + b) / 2 for a in human for b in human}
+    reference = {abs(parameter.reference) for parameter in task.parameters} - {0.0}
+    reference |= {(a + b) / 2 for a in reference for b in reference}
     robot = ET.fromstring(task.masked_mjcf).find("./worldbody/body")
     assert robot is not None
     texts = [
@@ -157,7 +157,7 @@ def test_masked_text_tells_no_human_number(task: Task) -> None:
     assert texts
     for text in texts:
         fixed = re.sub(r"\{[^}]*\}", " ", text)
-        assert not human & {abs(float(number)) for number in fixed.split()}, text
+        assert not reference & {abs(float(number)) for number in fixed.split()}, text
         for expression in re.findall(r"\{([^}]*)\}", text):
             numbers = re.findall(r"(?<![\w.])\d+\.?\d*", expression.replace("**2", ""))
             alone = {float(number) for number in numbers} & {p.reference for p in task.parameters}

@@ -41,45 +41,35 @@ class RecordedDesigner:
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """See `Designer.propose_morphology`."""
-        return self._morphology(
-            slot,
-            content_key([morphology.parameters for morphology in earlier]),
-            lambda slot: self._designer.propose_morphology(slot, earlier),
-        )
+        given = content_key([morphology.parameters for morphology in earlier])
+        return self._morphology(slot, given, self._designer.propose_morphology, earlier)
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
         """See `Designer.propose_reward`."""
-        return self._reward(
-            slot,
-            content_key([reward.source for reward in earlier]),
-            lambda slot: self._designer.propose_reward(slot, earlier),
-        )
+        given = content_key([reward.source for reward in earlier])
+        return self._reward(slot, given, self._designer.propose_reward, earlier)
 
     def improve_morphology(
         self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
     ) -> Morphology:
         """See `Designer.improve_morphology`."""
-        return self._morphology(
-            slot,
-            content_key(best.key, [evaluation.key for evaluation in history]),
-            lambda slot: self._designer.improve_morphology(slot, best, history),
-        )
+        given = content_key(best.key, [evaluation.key for evaluation in history])
+        return self._morphology(slot, given, self._designer.improve_morphology, best, history)
 
     def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:
         """See `Designer.improve_reward`."""
-        return self._reward(
-            slot,
-            content_key(best.key, [evaluation.key for evaluation in history]),
-            lambda slot: self._designer.improve_reward(slot, best, history),
-        )
+        given = content_key(best.key, [evaluation.key for evaluation in history])
+        return self._reward(slot, given, self._designer.improve_reward, best, history)
 
-    def _morphology(self, slot: Slot, given: str, ask: Callable[[Slot], Morphology]) -> Morphology:
-        proposal = self._fill(slot, given, lambda slot: Proposal(slot, morphology=ask(slot)))
+    def _morphology(
+        self, slot: Slot, given: str, ask: Callable[..., Morphology], *known: object
+    ) -> Morphology:
+        proposal = self._fill(slot, given, lambda slot: Proposal(slot, ask(slot, *known)))
         assert proposal.morphology is not None
         return proposal.morphology
 
-    def _reward(self, slot: Slot, given: str, ask: Callable[[Slot], Reward]) -> Reward:
-        proposal = self._fill(slot, given, lambda slot: Proposal(slot, reward=ask(slot)))
+    def _reward(self, slot: Slot, given: str, ask: Callable[..., Reward], *known: object) -> Reward:
+        proposal = self._fill(slot, given, lambda slot: Proposal(slot, reward=ask(slot, *known)))
         assert proposal.reward is not None
         return proposal.reward
 

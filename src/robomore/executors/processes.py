@@ -16,7 +16,7 @@ from typing import IO
 import msgspec
 
 from robomore.executors.executor import Done, Failed, Outcome, Progress, never
-from robomore.executors.messages import Call, Progressed, Replied, Reply
+from robomore.executors.worker import Call, Progressed, Replied, Reply
 
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _INHERITED = (
@@ -65,24 +65,21 @@ class Processes:
         for thread in threads:
             thread.start()
         serving = len(threads)
-        finished = False
         try:
             while serving:
-                message = messages.get()
-                if message is None:
-                    serving -= 1
-                elif isinstance(message, Exception):
-                    raise message
-                else:
-                    index, update = message
-                    if isinstance(update, int):
-                        progress(index, update)
-                    else:
-                        yield index, update
-            finished = True
+                match messages.get():
+                    case None:
+                        serving -= 1
+                    case Exception() as error:
+                        raise error
+                    case index, int(units):
+                        progress(index, units)
+                    case index, (Done() | Failed()) as outcome:
+                        yield index, outcome
+        except BaseException:
+            self.close()
+            raise
         finally:
-            if not finished:
-                self.close()
             for thread in threads:
                 thread.join(timeout=10)
 
@@ -116,9 +113,12 @@ class _Slot:
             while not self._closed and not should_stop():
                 index, payload = jobs.get_nowait()
                 messages.put((index, 0))
-                messages.put(
-                    (index, self._outcome(Call(function, payload), index, messages, timeout))
-                )
+                try:
+                    outcome = self._run(Call(function, payload), index, messages, timeout)
+                except Exception as error:  # noqa: BLE001  # `map` waits for an outcome
+                    reason = f"the worker process could not be used ({error})"
+                    outcome = Failed(reason, unstarted=True)
+                messages.put((index, outcome))
         except queue.Empty:
             pass  # all jobs have been taken
         except Exception as error:  # noqa: BLE001  # raised again by `map`
@@ -130,14 +130,6 @@ class _Slot:
         with self._lock:
             self._closed = True
         self._kill()
-
-    def _outcome(
-        self, call: Call, index: int, messages: queue.SimpleQueue[_Message], timeout: float
-    ) -> Outcome:
-        try:
-            return self._run(call, index, messages, timeout)
-        except Exception as error:  # noqa: BLE001  # the job needs an outcome, or `map` would wait forever
-            return Failed(f"the worker process could not be used ({error})", unstarted=True)
 
     def _run(
         self, call: Call, index: int, messages: queue.SimpleQueue[_Message], timeout: float
@@ -180,7 +172,8 @@ class _Slot:
                     stderr=self._log,
                     # Ctrl-C goes to the parent alone, which then stops the workers in order.
                     start_new_session=True,
-                    env=_environment(),
+                    env={name: os.environ[name] for name in _INHERITED if name in os.environ}
+                    | dict.fromkeys(_THREAD_PINS, "1"),
                 )
             return self._process
 
@@ -201,11 +194,6 @@ class _Slot:
         self._log.seek(max(0, size - _LOG_TAIL))
         text = self._log.read().decode(errors="replace").strip()
         return f"; its last output: {text}" if text else ""
-
-
-def _environment() -> dict[str, str]:
-    inherited = {name: os.environ[name] for name in _INHERITED if name in os.environ}
-    return inherited | dict.fromkeys(_THREAD_PINS, "1")
 
 
 def _how_it_ended(code: int) -> str:

@@ -1,4 +1,7 @@
-"""The worker process: reads calls from standard input and writes replies to standard output."""
+"""The worker process: reads calls from standard input and writes replies to standard output.
+
+The messages are one JSON object a line, never pickle.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,34 @@ import traceback
 import msgspec
 
 from robomore.executors.executor import load_function
-from robomore.executors.messages import Call, Progressed, Raised, Replied, Reply
+
+
+class Call(msgspec.Struct, tag="call", frozen=True):
+    """To the worker: run `function` (`module:name`) on `payload`."""
+
+    function: str
+    payload: bytes
+
+
+class Progressed(msgspec.Struct, tag="progress", frozen=True):
+    """From the worker: the running job has done so many units."""
+
+    units: int
+
+
+class Replied(msgspec.Struct, tag="reply", frozen=True):
+    """From the worker: the function returned."""
+
+    reply: bytes
+
+
+class Raised(msgspec.Struct, tag="raised", frozen=True):
+    """From the worker: the function raised an exception."""
+
+    traceback: str
+
+
+Reply = Progressed | Replied | Raised
 
 
 def main() -> None:

@@ -103,12 +103,8 @@ class BudgetedClient:
                 spent = self._log.spent()
         self._watch(spent)
         _log.info(
-            "%s answered %s in %.1f s (%d + %d tokens)",
-            exchange.model,
-            request.slot,
-            exchange.seconds,
-            exchange.input_tokens,
-            exchange.output_tokens,
+            f"{exchange.model} answered {request.slot} in {exchange.seconds:.1f} s "
+            f"({exchange.input_tokens} + {exchange.output_tokens} tokens)"
         )
         return exchange
 
@@ -144,20 +140,12 @@ class BudgetedClient:
     def _check(self, pending: _PendingRequest) -> None:
         spent = self._log.spent()
         planned = [pending, *(other for other in self._pending if other is not pending)]
+        tokens = spent.tokens + sum(one.tokens for one in planned)
+        cost = spent.cost + sum(one.cost for one in planned)
         for option, limit, total, unit in (
             ("--max-requests", self._budget.requests, spent.requests + 1, "requests"),
-            (
-                "--max-tokens",
-                self._budget.tokens,
-                spent.tokens + sum(one.tokens for one in planned),
-                "tokens",
-            ),
-            (
-                "--max-cost",
-                self._budget.cost,
-                spent.cost + sum(one.cost for one in planned),
-                "dollars",
-            ),
+            ("--max-tokens", self._budget.tokens, tokens, "tokens"),
+            ("--max-cost", self._budget.cost, cost, "dollars"),
         ):
             if limit is not None and total > limit:
                 raise BudgetExhausted(

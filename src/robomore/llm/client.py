@@ -7,8 +7,7 @@ import json
 import logging
 import threading
 import time
-from collections.abc import Callable, Coroutine, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Coroutine, Sequence
 from typing import Any, TypeVar, cast
 
 from genai_prices import Usage, calc_price
@@ -88,7 +87,28 @@ class PydanticAIModel:
                 self.name,
                 refused,
             )
-        return self._completion(request, response, tries, structured, started)
+        text, usage = response.text or "", response.usage
+        input_tokens, output_tokens = usage.input_tokens, usage.output_tokens
+        if usage.unmeasured_requests or not input_tokens:
+            input_tokens = estimate_prompt(request.messages)
+            output_tokens = estimate_tokens(text)
+        cost = self.cost(input_tokens, output_tokens)
+        if self._price is None and cost is not None and not usage.unmeasured_requests:
+            # Cached input has its own price, which only the full usage shows.
+            try:
+                cost = float(response.cost().total_price)
+            except (LookupError, ValueError):
+                _log.debug("no exact price for this answer of %s", self.name)
+        return Completion(
+            reply=text,
+            truncated=response.finish_reason == "length",
+            input_tokens=input_tokens,
+            output_tokens=output_tokens,
+            cost=cost,
+            seconds=time.monotonic() - started,
+            tries=tries,
+            structured=structured,
+        )
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
         """Return the price of so many tokens in US dollars, or `None` if no price is known."""
@@ -105,7 +125,7 @@ class PydanticAIModel:
         return None
 
     def _once(self, request: Request, structured: bool) -> ModelResponse:
-        with self._translated(structured):
+        try:
             return self._loop.run(
                 model_request(
                     self._model,
@@ -114,11 +134,6 @@ class PydanticAIModel:
                     model_request_parameters=_parameters(request.schema if structured else None),
                 )
             )
-
-    @contextmanager
-    def _translated(self, structured: bool) -> Iterator[None]:
-        try:
-            yield
         except LIBRARY_ERRORS as error:
             raise translate(error, self.name, str(self._model.base_url), structured) from None
         except UserError as error:
@@ -142,38 +157,6 @@ class PydanticAIModel:
         }
         given = {name: value for name, value in settings.items() if value is not None}
         return cast(ModelSettings, given)
-
-    def _completion(
-        self,
-        request: Request,
-        response: ModelResponse,
-        tries: int,
-        structured: bool,
-        started: float,
-    ) -> Completion:
-        text = response.text or ""
-        usage = response.usage
-        input_tokens, output_tokens = usage.input_tokens, usage.output_tokens
-        if usage.unmeasured_requests or not input_tokens:
-            input_tokens = estimate_prompt(request.messages)
-            output_tokens = estimate_tokens(text)
-        cost = self.cost(input_tokens, output_tokens)
-        if self._price is None and cost is not None and not usage.unmeasured_requests:
-            # Cached input has its own price, which only the full usage shows.
-            try:
-                cost = float(response.cost().total_price)
-            except (LookupError, ValueError):
-                _log.debug("no exact price for this answer of %s", self.name)
-        return Completion(
-            reply=text,
-            truncated=response.finish_reason == "length",
-            input_tokens=input_tokens,
-            output_tokens=output_tokens,
-            cost=cost,
-            seconds=time.monotonic() - started,
-            tries=tries,
-            structured=structured,
-        )
 
 
 class _Loop:

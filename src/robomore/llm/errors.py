@@ -45,52 +45,39 @@ class SchemaRefused(Exception):
 
 
 def translate(error: Exception, name: str, url: str, structured: bool) -> Exception:
-    """Return the error to raise instead of the library's.
-
-    Args:
-        error: one of `LIBRARY_ERRORS`.
-        name: name of the model.
-        url: URL of its server.
-        structured: whether the request had a JSON schema.
-
-    Returns:
-        `TransientError` if a retry may help, `SchemaRefused`, or `InputError`.
+    """Return the error to raise instead of one of `LIBRARY_ERRORS`: a `TransientError` if a retry
+    may help, `SchemaRefused` for a request with a JSON schema (`structured`), or `InputError`.
     """
     if not isinstance(error, ModelAPIError):
         return TransientError(_unreadable(error, name, url))
-    if isinstance(error, ModelAuthenticationError):
-        return InputError(
-            f"{name}: the key was refused; check the key's environment variable (docs/llm.md)"
-        )
-    if isinstance(error, ModelQuotaExceededError):
-        return InputError(f"{name}: the account's quota is used up: {_message(error)}")
-    if isinstance(error, ModelContextWindowExceededError):
-        return InputError(
-            f"{name}: the prompt is too long for this model; lower --history-tokens, or choose a "
-            "model with a longer context"
-        )
-    if isinstance(error, ModelRateLimitError | ModelOverloadedError):
-        return TransientError(f"{name} is busy: {_message(error)}", error.retry_after)
-    if isinstance(error, ModelRequestTimeout | ModelTimeoutError):
-        return TransientError(f"{name} did not answer in time")
-    if isinstance(error, ModelConnectionError):
-        return TransientError(
-            f"no connection to {name} at {url}: {_message(error)}", error.retry_after
-        )
+    match error:
+        case ModelAuthenticationError():
+            remedy = "check the key's environment variable (docs/llm.md)"
+            return InputError(f"{name}: the key was refused; {remedy}")
+        case ModelQuotaExceededError():
+            return InputError(f"{name}: the account's quota is used up: {_message(error)}")
+        case ModelContextWindowExceededError():
+            remedy = "lower --history-tokens, or choose a model with a longer context"
+            return InputError(f"{name}: the prompt is too long for this model; {remedy}")
+        case ModelRateLimitError() | ModelOverloadedError():
+            return TransientError(f"{name} is busy: {_message(error)}", error.retry_after)
+        case ModelRequestTimeout() | ModelTimeoutError():
+            return TransientError(f"{name} did not answer in time")
+        case ModelConnectionError():
+            reason = f"no connection to {name} at {url}: {_message(error)}"
+            return TransientError(reason, error.retry_after)
     if not isinstance(error, ModelHTTPError):
         return TransientError(_unreadable(error, name, url))
     status = error.status_code
     if status in _TRANSIENT_STATUS or (status >= 500 and status != 501):
-        return TransientError(
-            f"{name} failed with HTTP {status}: {_message(error)}", error.retry_after
-        )
+        reason = f"{name} failed with HTTP {status}: {_message(error)}"
+        return TransientError(reason, error.retry_after)
     if structured and status in _SCHEMA_STATUS:
         return SchemaRefused(_message(error))
     if isinstance(error, ModelNotFoundError):
         close = f"; did you mean {error.suggested_model_id}?" if error.suggested_model_id else ""
-        return InputError(
-            f"{url} serves no model of the name in {name!r}: {_message(error)}{close}"
-        )
+        absent = f"{url} serves no model of the name in {name!r}"
+        return InputError(f"{absent}: {_message(error)}{close}")
     return InputError(f"{name} refused the request with HTTP {status}: {_message(error)}")
 
 
@@ -122,14 +109,10 @@ def _message(error: ModelAPIError) -> str:
 
 def _short(text: str) -> str:
     line = " ".join(text.split())
-    for secret in _secrets():
+    named = re.compile(r"(KEY|TOKEN|SECRET|PASSWORD)$")
+    secrets = [value for name, value in os.environ.items() if named.search(name)]
+    for secret in sorted((s for s in secrets if len(s) >= 6), key=len, reverse=True):
         line = line.replace(secret, "***")
     # Providers quote a key with its middle masked; the rest of the key is removed too.
     line = re.sub(r"\b(sk|key|AIza)[-_][\w*-]{4,}", "***", line)
     return line if len(line) <= 200 else line[:200] + "…"
-
-
-def _secrets() -> list[str]:
-    named = re.compile(r"(KEY|TOKEN|SECRET|PASSWORD)$")
-    values = (value for name, value in os.environ.items() if named.search(name))
-    return sorted((value for value in values if len(value) >= 6), key=len, reverse=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -17,10 +16,8 @@ from robomore.types import Slot
 class Exchange(Completion):
     """A completion with what was asked, as the ledger keeps it.
 
-    Attributes:
-        key: content key of the slot, repair, model, sampling and messages.
-        slot: slot of the `Request`; so are `repair`, `messages` and `sampling`.
-        model: name of the model.
+    `key` is the content key (`exchange_key`) of the model's name and of the `Request`, whose fields
+    are the others.
     """
 
     key: str
@@ -50,14 +47,11 @@ class Spending:
     @classmethod
     def of(cls, exchanges: Iterable[Exchange]) -> Spending:
         """Return the sum over `exchanges`."""
-        requests = tokens = unpriced = 0
-        cost = 0.0
-        for exchange in exchanges:
-            requests += exchange.tries
-            tokens += exchange.input_tokens + exchange.output_tokens
-            cost += exchange.cost or 0.0
-            unpriced += exchange.cost is None
-        return cls(requests, tokens, cost, unpriced)
+        each = [
+            cls(e.tries, e.input_tokens + e.output_tokens, e.cost or 0.0, int(e.cost is None))
+            for e in exchanges
+        ]
+        return sum(each, cls())
 
     def sent(self, requests: int) -> Spending:
         """Return the same spending with the requests that were sent, answered or not."""
@@ -123,7 +117,7 @@ class MemoryLog:
     def set_errors(self, key: str, errors: Sequence[str]) -> None:
         with self._lock:
             kept = self._exchanges[key]
-            self._exchanges[key] = dataclasses.replace(kept, validation_errors=tuple(errors))
+            self._exchanges[key] = replace(kept, validation_errors=tuple(errors))
 
     def all(self) -> list[Exchange]:
         return list(self._exchanges.values())

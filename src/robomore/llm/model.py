@@ -11,13 +11,7 @@ from robomore.types import Slot
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """One message of a conversation.
-
-    Attributes:
-        role: who speaks.
-        text: what is said.
-        images: PNG files that go with the text, for models that can see.
-    """
+    """One message of a conversation. `images` are PNG files, for models that can see."""
 
     role: Literal["system", "user", "assistant"]
     text: str

@@ -43,11 +43,9 @@ def connect(
         from robomore.llm.client import PydanticAIModel
 
         if base_url is not None:
-            library = _compatible(model, base_url)
-            name = f"compatible:{model}"
+            name, library = f"compatible:{model}", _compatible(model, base_url)
         else:
-            library = _known(model)
-            name = model
+            name, library = model, _known(model)
     except ImportError as error:
         raise InputError(_missing(error)) from None
     if price is None and _is_local(base_url or (_ollama() if model.startswith("ollama:") else "")):
@@ -89,11 +87,10 @@ def _known(model: str) -> Any:
         return infer_model(model)
     except UserError as error:
         variable = re.search(r"\b[A-Z][A-Z_]*_(?:KEY|TOKEN)\b", str(error))
+        reason = f"model {model!r} cannot be used: " + str(error).partition("\n")[0]
         if variable:
-            raise InputError(
-                f"{provider} needs its key in the environment: {variable[0]} is not set"
-            ) from None
-        raise InputError(f"model {model!r} cannot be used: {_first_line(error)}") from None
+            reason = f"{provider} needs its key in the environment: {variable[0]} is not set"
+        raise InputError(reason) from None
 
 
 def _ollama() -> str:
@@ -114,7 +111,3 @@ def _missing(error: ImportError) -> str:
     if extra and extra[1] not in ("openai", "anthropic", "google"):
         return f"this provider needs one more package: pip install {extra[0]!r}"
     return f"a language model needs packages that are not installed: {_INSTALL}"
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).partition("\n")[0]

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Literal
 
 from robomore.errors import InputError, ProposalFailed
-from robomore.llm.exchange import Exchange, ExchangeLog, exchange_key
+from robomore.llm.exchange import ExchangeLog, exchange_key
 from robomore.llm.model import Completion, Request, do_nothing
-from robomore.types import Slot
 
 
 class ReplayModel:
@@ -23,11 +22,7 @@ class ReplayModel:
     """
 
     def __init__(self, log: ExchangeLog, by: Literal["content", "slot"] = "content") -> None:
-        """Make a model of a recorded run.
-
-        Args:
-            log: the exchanges of the recorded run.
-            by: whether an exchange is found by the content of the request or by its slot.
+        """Make a model of a recorded run from the log of its exchanges.
 
         Raises:
             InputError: the recording has no exchanges, or by content those of several models.
@@ -44,9 +39,7 @@ class ReplayModel:
         self.name = names[0]
         self._by = by
         self._by_key = {exchange.key: exchange for exchange in exchanges}
-        self._by_slot: dict[tuple[Slot, int], Exchange] = {
-            (exchange.slot, exchange.repair): exchange for exchange in exchanges
-        }
+        self._by_slot = {(exchange.slot, exchange.repair): exchange for exchange in exchanges}
 
     def complete(
         self, request: Request, before_send: Callable[[], None] = do_nothing
@@ -75,20 +68,17 @@ class ReplayModel:
             )
         if self._by == "slot" and request.slot.improves:
             raise ProposalFailed(f"the recording has no answer for {request.slot}")
-        raise InputError(self._missing(request))
+        slot = request.slot
+        if (slot, request.repair) in self._by_slot:
+            raise InputError(
+                f"the recording answers another prompt for {slot}: task, settings, seed and "
+                "trainer must be those of the recorded run, or replay it by slot"
+            )
+        raise InputError(
+            f"the recording ends before {slot} (attempt {slot.attempt}, repair {request.repair}); "
+            "finish the recorded run, or ask for no more than it did"
+        )
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
         """Return 0, because recorded answers are free."""
         return 0.0
-
-    def _missing(self, request: Request) -> str:
-        slot = request.slot
-        if (slot, request.repair) in self._by_slot:
-            return (
-                f"the recording answers another prompt for {slot}: task, settings, seed and "
-                "trainer must be those of the recorded run, or replay it by slot"
-            )
-        return (
-            f"the recording ends before {slot} (attempt {slot.attempt}, repair {request.repair}); "
-            "finish the recorded run, or ask for no more than it did"
-        )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from robomore.llm.model import ChatModel, Completion, Message, Request, Sampling
 from robomore.types import Slot
@@ -47,10 +47,16 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
         InputError: a request can never succeed; the message has the reason.
         ModelUnavailable: the model does not answer.
     """
-    sampling = sampling or Sampling()
-    plain = model.complete(_request("Answer with the single word: ready", 0, sampling, False))
+
+    def answer(index: int, text: str, schema: dict[str, Any] | None = None) -> Completion:
+        slot = Slot("check", "check", (index,))
+        return model.complete(
+            Request(slot, 0, (Message("user", text),), schema, sampling or Sampling())
+        )
+
+    plain = answer(0, "Answer with the single word: ready")
     form = 'Answer with JSON alone, of the form {"length": 2.5}, any number from 0 to 10.'
-    formed = model.complete(_request(form, 1, sampling, True))
+    formed = answer(1, form, _SCHEMA)
     costs = (plain.cost, formed.cost)
     return Check(
         model=model.name,
@@ -60,11 +66,6 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
         tokens=sum(c.input_tokens + c.output_tokens for c in (plain, formed)),
         cost=None if None in costs else sum(cost or 0.0 for cost in costs),
     )
-
-
-def _request(text: str, index: int, sampling: Sampling, schema: bool) -> Request:
-    slot = Slot("check", "check", (index,))
-    return Request(slot, 0, (Message("user", text),), _SCHEMA if schema else None, sampling)
 
 
 def _structure(completion: Completion) -> Literal["schema", "words", "no"]:

@@ -108,7 +108,7 @@ def run_sandboxed(
         ends = (reply_end, page)
         try:
             child = ChildProcess(
-                [sys.executable, "-P", "-s", "-c", _START, _search_path(), *map(str, ends)],
+                [sys.executable, "-P", "-s", "-c", _START, "\n".join(_entries()), *map(str, ends)],
                 scratch,
                 process_environment(scratch) | dict(environment),
                 ends,
@@ -177,10 +177,6 @@ def process_environment(scratch: Path) -> dict[str, str]:
         "MUJOCO_GL": "disabled",
         **dict.fromkeys(_THREADS, "1"),
     }
-
-
-def _search_path() -> str:
-    return "\n".join(_entries())
 
 
 def _entries() -> list[str]:

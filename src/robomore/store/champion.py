@@ -20,11 +20,8 @@ def save_champion(
 ) -> None:
     """Write `champion/`: design.json, reward.py, robot.xml, the best seed's policy.npz, and sums.
 
-    Args:
-        folder: of the run.
-        task: that the champion is for.
-        retrained: the champion's evaluations, one for each training seed.
-        objective: decides whose policy is kept.
+    `retrained` holds the champion's evaluations, one for each training seed; `objective` decides
+    whose policy is kept.
     """
     best = max(retrained, key=lambda e: (e.ok, e.score(objective) or 0.0))
     partial = folder.champion.with_suffix(".partial")
@@ -41,12 +38,9 @@ def save_champion(
 
 
 def write_design(path: Path, task: Task, evaluations: Sequence[Evaluation]) -> None:
-    """Write design.json, reward.py and robot.xml of one design into the folder `path`.
+    """Write design.json, reward.py and robot.xml of one design into the existing folder `path`.
 
-    Args:
-        path: an existing folder.
-        task: that the design is for.
-        evaluations: of the design, one for each training seed.
+    The evaluations are those of the design, one for each training seed.
     """
     design = evaluations[0].design
     facts = {
@@ -58,9 +52,8 @@ def write_design(path: Path, task: Task, evaluations: Sequence[Evaluation]) -> N
         "efficiency": [evaluation.efficiency for evaluation in evaluations],
         "volume": task.volume(design.morphology.parameters),
     }
-    (path / "design.json").write_bytes(
-        msgspec.json.format(msgspec.json.encode(facts), indent=2) + b"\n"
-    )
+    text = msgspec.json.format(msgspec.json.encode(facts), indent=2)
+    (path / "design.json").write_bytes(text + b"\n")
     (path / "reward.py").write_text(design.reward.source)
     (path / "robot.xml").write_text(task.mjcf(design.morphology.parameters))
 

@@ -88,7 +88,6 @@ class LedgerExchanges(Rows):
         with self._lock:
             if self._spent is None:
                 self._spent = Spending.of(self.all())
-                self._sent = sum(
-                    1 for _ in self._select("SELECT * FROM events WHERE kind = 'sent'")
-                )
+                sent = self._select("SELECT * FROM events WHERE kind = 'sent'")
+                self._sent = sum(1 for _ in sent)
             return self._spent.sent(self._sent)

@@ -21,17 +21,11 @@ FORMAT = 3
 _DIGEST = "digest"
 """Stands last in the file: half of the SHA-256 of all the rest, by which damage is found."""
 
-_RELEVANT = ("robomore", "mujoco", "gymnasium", "jax", "jaxlib", "numpy")
-
 
 def package_versions(*more: str) -> dict[str, str]:
-    """Return the versions that can change an evaluation's numbers.
-
-    Args:
-        more: packages that matter besides those that always do.
-    """
+    """Return the versions that can change an evaluation's numbers, those of `more` packages too."""
     versions = {"python": ".".join(platform.python_version_tuple()[:2])}
-    for package in (*_RELEVANT, *more):
+    for package in ("robomore", "mujoco", "gymnasium", "jax", "jaxlib", "numpy", *more):
         try:
             versions[package] = version(package)
         except PackageNotFoundError:

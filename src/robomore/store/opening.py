@@ -38,12 +38,9 @@ class DamageError(Exception):
 
 
 def open_to_write(path: Path, durable: bool, stack: ExitStack) -> sqlite3.Connection:
-    """Return a connection to the file at `path`, which is made if it is missing.
+    """Return a connection to the file at `path`, which is made if it is missing. `stack` closes it.
 
-    Args:
-        path: of the file.
-        durable: a commit survives the machine, not only the process.
-        stack: closes it.
+    If `durable`, a commit survives the machine, not only the process.
     """
     db = _connected(str(path), stack)
     # Readers never wait for the writer, and a commit survives the process being killed.
@@ -57,11 +54,8 @@ def open_to_read(path: Path, stack: ExitStack) -> sqlite3.Connection:
 
     SQLite reads a file in WAL mode only where it may make files beside it, or where they are there
     already. Where neither is so, a copy is read: to look at the file without its log, as SQLite's
-    `immutable` does, would leave out what a killed run wrote last.
-
-    Args:
-        path: of the file.
-        stack: closes the connection and removes the copy.
+    `immutable` does, would leave out what a killed run wrote last. `stack` closes the connection
+    and removes the copy.
 
     Raises:
         DamageError: nothing has been written yet.
@@ -69,7 +63,8 @@ def open_to_read(path: Path, stack: ExitStack) -> sqlite3.Connection:
     try:
         return _begun(_connected(f"{path.absolute().as_uri()}?mode=ro", stack, uri=True))
     except sqlite3.OperationalError as error:
-        if error.sqlite_errorcode & 0xFF not in _NOT_WRITABLE or not path.is_file():
+        not_writable = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
+        if error.sqlite_errorcode & 0xFF not in not_writable or not path.is_file():
             raise
     folder = Path(stack.enter_context(TemporaryDirectory(prefix="robomore-")))
     copy = copy_ledger(path, folder / path.name)
@@ -83,9 +78,6 @@ def copy_ledger(path: Path, copy: Path) -> Path:
     if log.is_file():
         shutil.copyfile(log, copy.with_name(copy.name + "-wal"))
     return copy
-
-
-_NOT_WRITABLE = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
 
 
 def _connected(name: str, stack: ExitStack, uri: bool = False) -> sqlite3.Connection:

@@ -38,49 +38,48 @@ def open_or_recover(path: Path) -> Ledger:
         copy = _unused(path)
         copy_ledger(path, copy)
         kept = _salvage(copy, path)
-        if kept is None:
-            for name in ("", *BESIDE):
-                copy.with_name(copy.name + name).unlink(missing_ok=True)
+        if not kept:
+            _remove(copy, "", *BESIDE)
             raise LedgerDamaged(
                 f"the ledger {path} is damaged and nothing in it can be read; restore it from a "
                 "copy, or start anew with another --out"
             ) from None
     log.warning(
-        "the ledger was damaged: %d rows are whole and kept, the rest is done again; the damaged "
-        "file is kept as %s",
-        kept,
-        copy,
+        f"the ledger was damaged: {kept} rows are whole and kept, the rest is done again; "
+        f"the damaged file is kept as {copy}"
     )
     return Ledger(path)
 
 
-def _salvage(damaged: Path, path: Path) -> int | None:
-    """Put the whole rows of `damaged` in the place of `path`; returns how many, `None` for none."""
+def _salvage(damaged: Path, path: Path) -> int:
+    """Put the whole rows of `damaged`, if any, in the place of `path`; return how many."""
     partial = path.with_suffix(".partial")
-    for name in ("", *BESIDE):
-        partial.with_name(partial.name + name).unlink(missing_ok=True)
+    _remove(partial, "", *BESIDE)
     kept = 0
     with ExitStack() as stack:
         try:
             old = open_to_write(damaged, durable=False, stack=stack)
-            (version,) = old.execute("PRAGMA user_version").fetchone()
+            if old.execute("PRAGMA user_version").fetchone() != (SCHEMA,):
+                return 0
         except BROKEN:
-            return None
-        if version != SCHEMA:
-            return None
+            return 0
         new = stack.enter_context(closing(Ledger(partial)))
         for table in TABLES:
             for row in _rows(old, table):
                 new.restore(table, row)
                 kept += 1
-    if not kept:
+    if kept:
+        # SQLite would take an old log for the new file's.
+        _remove(path, *BESIDE)
+        partial.replace(path)
+    else:
         partial.unlink()
-        return None
-    # SQLite would take an old log for the new file's.
-    for name in BESIDE:
-        path.with_name(path.name + name).unlink(missing_ok=True)
-    partial.replace(path)
     return kept
+
+
+def _remove(path: Path, *endings: str) -> None:
+    for ending in endings:
+        path.with_name(path.name + ending).unlink(missing_ok=True)
 
 
 def _rows(db: sqlite3.Connection, table: str) -> Iterator[tuple[Any, ...]]:

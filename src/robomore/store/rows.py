@@ -26,13 +26,10 @@ class Rows:
     """A connection to a ledger's file. May be used from several threads."""
 
     def __init__(self, path: Path, schema: int, read_only: bool, durable: bool) -> None:
-        """Open the file at `path`.
+        """Open the file at `path`, which is made if it is missing.
 
-        Args:
-            path: of the file; made if it is missing.
-            schema: the version of its tables that the caller knows.
-            read_only: write nothing, not even a new file.
-            durable: a commit survives the machine, not only the process.
+        The caller knows version `schema` of its tables. If `read_only`, nothing is written, not
+        even a new file. If `durable`, a commit survives the machine, not only the process.
 
         Raises:
             LedgerError: damaged, or of another version.

@@ -38,6 +38,7 @@ class RunFolder:
         self.champion = path / "champion"
         self.report = path / "report.html"
         self._lock = path / "lock"
+        self._probe = path / "probe.partial"
         self._held: sqlite3.Connection | None = None
 
     @classmethod
@@ -113,10 +114,6 @@ class RunFolder:
         if self._held is not None:
             self._held.close()
             self._held = None
-
-    @property
-    def _probe(self) -> Path:
-        return self.path / "probe.partial"
 
     def _hold_lock(self) -> None:
         """Take the folder for this process.

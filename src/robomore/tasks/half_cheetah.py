@@ -20,7 +20,7 @@ MASS = 14.0
 LEAST_SEGMENT = 0.03
 """Shortest head and leg segment, in m."""
 
-HUMAN_VECTORS = {
+REFERENCE_VECTORS = {
     "head": (0.229299, 0.193448),
     "back_thigh": (0.177439, -0.229381),
     "back_shin": (-0.268922, -0.132970),
@@ -31,7 +31,7 @@ HUMAN_VECTORS = {
 }
 """End-to-end vectors (x, z) in m of the official robot's capsules, from angle and length."""
 
-HUMAN_RADIUS = 0.046
+REFERENCE_RADIUS = 0.046
 """Of every part of the official robot, in m."""
 
 
@@ -95,7 +95,7 @@ def _too_thick(values: Values) -> str | None:
 
 
 def _vector(part: str, low: float, high: float, words: str) -> tuple[Parameter, Parameter]:
-    x, z = HUMAN_VECTORS[part]
+    x, z = REFERENCE_VECTORS[part]
     return (
         Parameter(f"{part}_x", -1.0, 1.0, x, f"x {words}"),
         Parameter(f"{part}_z", low, high, z, f"z {words}"),
@@ -113,7 +113,7 @@ def _leg(leg: str) -> tuple[Parameter, ...]:
 
 def _radius(part: str) -> Parameter:
     words = f"radius of the {part.replace('_', ' ')}"
-    return Parameter(f"{part}_radius", 0.005, 0.2, HUMAN_RADIUS, words, scale="log")
+    return Parameter(f"{part}_radius", 0.005, 0.2, REFERENCE_RADIUS, words, scale="log")
 
 
 HALF_CHEETAH = Task(

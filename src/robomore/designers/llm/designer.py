@@ -107,12 +107,12 @@ class LLMDesigner:
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """Return a morphology unlike all `earlier` ones (paper, Alg. 1: ProposeMorphology)."""
-        shown = earlier if self._settings.diversity else ()
+        shown = earlier if self.reflects else ()
         return self._morphology(slot, self._prompt("morphology", earlier=shown), shown)
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
         """Return a reward unlike all `earlier` ones (paper, Alg. 1: ProposeReward)."""
-        shown = earlier if self._settings.diversity else ()
+        shown = earlier if self.reflects else ()
         return self._reward(slot, self._prompt("reward", earlier=shown), shown)
 
     def improve_morphology(
@@ -179,12 +179,13 @@ class LLMDesigner:
         parse: Callable[[Exchange], T],
         schema: dict[str, Any] | None,
     ) -> T:
-        """Ask until a reply is valid, and send its errors back each time.
-
-        Raises:
-            ProposalFailed: the last reply that is allowed is invalid too.
-        """
-        conversation = (*prompt[:-1], _for_attempt(prompt[-1], slot.attempt))
+        """Ask until a reply is valid, and send its errors back each time."""
+        *before, question = prompt
+        if slot.attempt:
+            # Some models give the same answer to the same words.
+            fresh = render("fresh", attempt=str(slot.attempt + 1))
+            question = replace(question, text=f"{question.text}\n\n{fresh}")
+        conversation = (*before, question)
         for repair in range(self._settings.repairs + 1):
             request = Request(slot, repair, conversation, schema, self._settings.sampling)
             exchange = self._client.ask(request)
@@ -206,10 +207,3 @@ class LLMDesigner:
             f"no usable {slot.kind} in {self._settings.repairs + 1} answers; wrong with the last: "
             + "; ".join(errors)
         )
-
-
-def _for_attempt(question: Message, attempt: int) -> Message:
-    """Return the question of a new attempt. Some models give the same answer to the same words."""
-    if not attempt:
-        return question
-    return replace(question, text=f"{question.text}\n\n{render('fresh', attempt=str(attempt + 1))}")

@@ -20,11 +20,8 @@ _REPAIRS = 0.25
 class Estimate:
     """A forecast from the lengths of the prompts and usual lengths of answers.
 
-    Attributes:
-        requests: number of requests, repairs included.
-        input_tokens: tokens of all prompts.
-        output_tokens: tokens of all answers, without the thoughts of a reasoning model.
-        cost: in US dollars, or `None` if no price is known.
+    The requests include repairs, and the output tokens leave out the thoughts of a reasoning model.
+    The cost is in US dollars, or `None` if no price is known.
     """
 
     requests: int

@@ -70,23 +70,17 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
         raise NotFound(f"the answer holds {len(found)} different designs; answer with one")
     if found:
         return found[0]
-    if errors:
-        raise NotFound(errors[0])
-    raise NotFound(f'the answer holds no JSON object with "{wanted}"')
+    raise NotFound(*errors[:1] or [f'the answer holds no JSON object with "{wanted}"'])
 
 
 def find_code(text: str, wanted: str) -> tuple[str, bool]:
-    """Return the Python code in `text`, and whether its end was marked.
-
-    Args:
-        text: the reply.
-        wanted: name of the function that the code should define.
+    """Return the Python code in `text` that defines the function `wanted`, or any other function,
+    and whether its end was marked.
 
     Raises:
         NotFound: there is no code, or there are several versions of it.
     """
-    text = _cleared(text)
-    text = _quoted(text, wanted)
+    text = _quoted(_cleared(text), wanted)
     definition = re.compile(rf"\bdef\s+{re.escape(wanted)}\b")
     blocks = _blocks(text)
     defining = list(dict.fromkeys(block for block in blocks if definition.search(block[0])))
@@ -96,10 +90,8 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
         )
     if defining:
         return defining[0]
-    code = [block for block in blocks if re.search(r"\bdef\s+\w+", block[0])]
-    if code:
-        return code[0]
-    return _bare(text, wanted), False
+    code = (block for block in blocks if re.search(r"\bdef\s+\w+", block[0]))
+    return next(code, None) or (_bare(text, wanted), False)
 
 
 def _blocks(text: str) -> list[tuple[str, bool]]:
@@ -110,12 +102,8 @@ def _blocks(text: str) -> list[tuple[str, bool]]:
     for line in text.split("\n"):
         stripped = line.strip().strip("'\"")
         opening = _FENCE.match(stripped)
-        if (
-            fence
-            and opening
-            and opening["fence"].startswith(fence)
-            and opening["fence"] == stripped
-        ):
+        closing = opening and opening["fence"] == stripped
+        if fence and closing and stripped.startswith(fence):
             found.append((_dedented(block), True))
             block, fence = [], ""
         elif fence:
@@ -240,14 +228,10 @@ def _quoted(text: str, wanted: str) -> str:
 def _bare(text: str, wanted: str) -> str:
     """Return code without fences from the prose around it."""
     lines = text.split("\n")
-    starts = [
-        index
-        for index, line in enumerate(lines)
-        if re.match(r"\s*(?:(?:async\s+)?def|class)\s+\w+\s*[(:]", line)
-    ]
-    if not starts:
+    first = re.compile(r"\s*(?:(?:async\s+)?def|class)\s+\w+\s*[(:]")
+    start = next((index for index, line in enumerate(lines) if first.match(line)), None)
+    if start is None:
         raise NotFound(f"the answer holds no Python code that defines `{wanted}`")
-    start = starts[0]
     margin = len(lines[start]) - len(lines[start].lstrip())
     while start > 0 and _is_code(lines[start - 1], margin) and lines[start - 1].strip():
         start -= 1

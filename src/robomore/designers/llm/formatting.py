@@ -14,10 +14,9 @@ _MOST_SINGLE_RESULTS = 6
 
 def morphology_lines(task: Task, morphology: Morphology) -> list[str]:
     """Return the parameter values of a morphology, and its idea if there is one."""
-    numbers = ", ".join(
-        f"{name} {value:.6g}" for name, value in zip(task.names, morphology.parameters, strict=True)
-    )
-    return [f"Parameters: {numbers}", *([f"Idea: {morphology.idea}"] if morphology.idea else [])]
+    named = zip(task.names, morphology.parameters, strict=True)
+    lines = ["Parameters: " + ", ".join(f"{name} {value:.6g}" for name, value in named)]
+    return [*lines, f"Idea: {morphology.idea}"] if morphology.idea else lines
 
 
 def reward_lines(reward: Reward) -> list[str]:
@@ -26,12 +25,9 @@ def reward_lines(reward: Reward) -> list[str]:
 
 
 def evaluation_lines(evaluation: Evaluation, label: str, full: int = 0) -> list[str]:
-    """Return all that an evaluation measured, or why it failed.
+    """Return all that an evaluation measured, or why it failed. The first line starts with `label`.
 
-    Args:
-        evaluation: what is described.
-        label: start of the first line.
-        full: steps of a full training. An evaluation with fewer steps says so.
+    An evaluation with fewer training steps than `full` says so.
     """
     if not evaluation.ok:
         return [f"{label}: {failure(evaluation)}"]

@@ -127,10 +127,7 @@ def full_steps(history: Sequence[Evaluation]) -> int:
 def select(entries: Sequence[Entry], settings: HistorySettings, plural: str) -> SelectedHistory:
     """Return the entries that fit into the token budget, oldest first.
 
-    Args:
-        entries: all entries, oldest first.
-        settings: token budget and rule.
-        plural: plural of what an entry is, for the sentence on the selection.
+    `plural` is the plural of what an entry is, for the sentence on the selection.
     """
     chosen = choose(entries, settings)
     text = "\n\n".join(entries[index].text for index in sorted(chosen))
@@ -161,7 +158,7 @@ def choose(entries: Sequence[Entry], settings: HistorySettings) -> list[int]:
     while waiting:
         before = len(waiting)
         for name in settings.rule_names:
-            pick = _PICKS[name](entries, waiting, chosen)
+            pick = _pick(name, entries, waiting, chosen)
             if pick is None:
                 continue
             waiting.remove(pick)
@@ -190,36 +187,23 @@ def _entries(
     # A design that was proposed twice was measured once.
     for evaluation in {e.key: e for e in history}.values():
         grouped[key(evaluation.design)].append(evaluation)
+    current, other = labels
     full, entries = full_steps(history), []
     for number, measured in enumerate(grouped.values(), start=1):
         design = measured[0].design
         here = [e for e in measured if is_current(e.design)]
         there = [e for e in measured if not is_current(e.design)]
         lines = [f"## {heading} {number}", *describe(design)]
-        text = "\n".join([*lines, *_results(here, there, labels, objective, full)])
+        lines += [line for e in here for line in evaluation_lines(e, current, full)]
+        # If none with the current partner succeeded, the best of the others is described in full.
+        if not any(e.ok for e in here) and (shown := _best_of(there, objective)):
+            lines += evaluation_lines(shown, f"{other}, its best", full)
+            there = [e for e in there if e is not shown]
+        text = "\n".join([*lines, *summary_lines(there, other, full)])
         best = _best_of(measured, objective)
         score, steps = (best.score(objective), best.job.steps) if best else (None, 0)
         entries.append(Entry(text, score, features(design), steps))
     return entries
-
-
-def _results(
-    here: Sequence[Evaluation],
-    there: Sequence[Evaluation],
-    labels: tuple[str, str],
-    objective: str,
-    full: int,
-) -> list[str]:
-    """Describe the evaluations with the current partner in full, and summarize the others.
-
-    If none with the current partner succeeded, the best of the others is described in full too.
-    """
-    current, other = labels
-    lines = [line for e in here for line in evaluation_lines(e, current, full)]
-    if not any(e.ok for e in here) and (best := _best_of(there, objective)):
-        lines += evaluation_lines(best, f"{other}, its best", full)
-        there = [e for e in there if e is not best]
-    return lines + summary_lines(there, other, full)
 
 
 def _best_of(evaluations: Sequence[Evaluation], objective: str) -> Evaluation | None:
@@ -237,46 +221,23 @@ def _distance(one: Entry, other: Entry) -> float:
     return math.dist(tuple(map(float, a)), tuple(map(float, b)))
 
 
-def _scored(
-    entries: Sequence[Entry], waiting: Sequence[int]
-) -> list[tuple[tuple[int, float], int]]:
-    """Return rank and index of the entries with a score. More training steps rank higher."""
-    return [
-        ((entries[i].steps, score), i) for i in waiting if (score := entries[i].score) is not None
-    ]
-
-
-def _best(entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int]) -> int | None:
-    scored = _scored(entries, waiting)
-    return max(scored, key=lambda pair: (pair[0], -pair[1]))[1] if scored else None
-
-
-def _worst(entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int]) -> int | None:
-    scored = _scored(entries, waiting)
-    return min(scored)[1] if scored else None
-
-
-def _different(
-    entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int]
+def _pick(
+    name: str, entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int]
 ) -> int | None:
-    if not chosen:
-        return _best(entries, waiting, chosen)
-    apart = {i: min(_distance(entries[i], entries[j]) for j in chosen) for i in waiting}
-    return max(waiting, key=lambda i: (apart[i], -i), default=None)
+    """Return the entry that one name of the rule selects, the oldest among equals."""
 
+    def rank(i: int) -> tuple[int, float]:
+        return entries[i].steps, entries[i].score or 0.0
 
-def _failed(entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int]) -> int | None:
-    return max((i for i in waiting if entries[i].score is None), default=None)
-
-
-def _recent(entries: Sequence[Entry], waiting: Sequence[int], chosen: Sequence[int]) -> int | None:
+    scored = [i for i in waiting if entries[i].score is not None]
+    match name:
+        case "different" if chosen:
+            apart = {i: min(_distance(entries[i], entries[j]) for j in chosen) for i in waiting}
+            return max(waiting, key=lambda i: apart[i], default=None)
+        case "best" | "different":
+            return max(scored, key=rank, default=None)
+        case "worst":
+            return min(scored, key=rank, default=None)
+        case "failed":
+            return max((i for i in waiting if entries[i].score is None), default=None)
     return max(waiting, default=None)
-
-
-_PICKS: dict[str, Callable[[Sequence[Entry], Sequence[int], Sequence[int]], int | None]] = {
-    "best": _best,
-    "worst": _worst,
-    "different": _different,
-    "failed": _failed,
-    "recent": _recent,
-}

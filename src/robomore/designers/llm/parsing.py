@@ -21,11 +21,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?")
 
 
 class InvalidReply(Exception):
-    """A reply that cannot be used.
-
-    Attributes:
-        errors: what is wrong, each error in words that the model can act on.
-    """
+    """A reply that cannot be used, with its `errors` in words that the model can act on."""
 
     def __init__(self, errors: Sequence[str]) -> None:
         super().__init__("; ".join(errors))
@@ -55,11 +51,7 @@ def parse_morphology(
         values = task.check(_numbers(found["parameters"]))
     except InvalidMorphology as error:
         raise InvalidReply([str(error).removeprefix(f"{task.id}: ")]) from None
-    for number, earlier in enumerate(taken, start=1):
-        if _same(earlier.parameters, values):
-            raise InvalidReply(
-                [f"this is the same morphology as number {number} of those before it"]
-            )
+    _refuse_repeats("morphology", [_same(earlier.parameters, values) for earlier in taken])
     return Morphology(values, _one_line(found.get("description", "")))
 
 
@@ -89,9 +81,7 @@ def parse_reward(
     if errors:
         raise InvalidReply(errors)
     normalized = _normalized(code)
-    for number, earlier in enumerate(taken, start=1):
-        if _normalized(earlier.source) == normalized:
-            raise InvalidReply([f"this is the same reward as number {number} of those before it"])
+    _refuse_repeats("reward", [_normalized(earlier.source) == normalized for earlier in taken])
     return Reward(code.rstrip() + "\n", _idea(code))
 
 
@@ -105,16 +95,18 @@ def messages(findings: Sequence[Finding]) -> list[str]:
     return [f"line {finding.line}: {finding.message}" for finding in findings]
 
 
+def _refuse_repeats(kind: str, same: list[bool]) -> None:
+    if True in same:
+        number = same.index(True) + 1
+        raise InvalidReply([f"this is the same {kind} as number {number} of those before it"])
+
+
 def _truncation(truncated: bool) -> list[str]:
     return ["the answer was cut off at the length limit; answer more briefly"] if truncated else []
 
 
 def _numbers(given: Any) -> Any:
-    """Return `given` with its values as numbers.
-
-    Raises:
-        InvalidReply: a value is no number.
-    """
+    """Return `given` with its values as numbers, or raise `InvalidReply`."""
     if isinstance(given, dict):
         return {str(name): _number(str(name), value) for name, value in given.items()}
     if isinstance(given, list | tuple):
@@ -171,11 +163,10 @@ def _normalized(code: str) -> str:
 
 
 def _is_text(node: ast.stmt) -> bool:
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-    )
+    match node:
+        case ast.Expr(value=ast.Constant(value=str())):
+            return True
+    return False
 
 
 def _idea(code: str) -> str:

@@ -75,10 +75,7 @@ def render_prompt(
         parts.append(_improve(task, part, objective, best, measured, settings or HistorySettings()))
     elif earlier:
         parts.append(_diversity(task, part, earlier))
-    return [
-        Message("system", render(f"role-{part}")),
-        Message("user", "\n\n".join(parts)),
-    ]
+    return [Message("system", render(f"role-{part}")), Message("user", "\n\n".join(parts))]
 
 
 def repair_message(errors: Sequence[str]) -> Message:
@@ -140,35 +137,24 @@ def _base(task: Task, part: str, objective: str) -> str:
         from robomore.envs.source import environment_source
 
         return render("reward", environment=environment_source(task).strip(), **shared)
-    return render(
-        "morphology",
-        mjcf=task.masked_mjcf.strip(),
-        parameters=_table(task),
-        rules=_rules(task),
-        form=_form(task),
-        count=str(len(task.parameters)),
-        **shared,
-    )
-
-
-def _table(task: Task) -> str:
     rows = [
         f"| {p.name} | {p.meaning} | {p.unit} | {p.low:g} | {p.high:g} |" for p in task.parameters
     ]
     head = ["| name | meaning | unit | least | most |", "|---|---|---|---|---|"]
-    return "\n".join([*head, *rows])
-
-
-def _rules(task: Task) -> str:
-    if not task.rules:
-        return "Any numbers within these bounds make a valid morphology."
-    rules = [f"- {rule.text}" for rule in task.rules]
-    return "\n".join(["A morphology also has to keep to these rules:", "", *rules])
-
-
-def _form(task: Task) -> str:
+    rules = "Any numbers within these bounds make a valid morphology."
+    if task.rules:
+        rules = "A morphology also has to keep to these rules:\n\n"
+        rules += "\n".join(f"- {rule.text}" for rule in task.rules)
     names = ", ".join(f"{json.dumps(name)}: …" for name in task.names)
-    return f'{{"parameters": {{{names}}}, "description": "…"}}'
+    return render(
+        "morphology",
+        mjcf=task.masked_mjcf.strip(),
+        parameters="\n".join([*head, *rows]),
+        rules=rules,
+        form=f'{{"parameters": {{{names}}}, "description": "…"}}',
+        count=str(len(task.parameters)),
+        **shared,
+    )
 
 
 def _diversity(task: Task, part: str, earlier: Sequence[Morphology | Reward]) -> str:

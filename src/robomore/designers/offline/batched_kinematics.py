@@ -18,12 +18,8 @@ from robomore.designers.offline.rest_pose import RestPose
 
 Array = NDArray[np.float64]
 
-_FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "sqrt": np.sqrt,
-    "abs": np.abs,
-    "min": np.minimum,
-    "max": np.maximum,
-}
+_FUNCTIONS: dict[str, Callable[..., Any]]
+_FUNCTIONS = {"sqrt": np.sqrt, "abs": np.abs, "min": np.minimum, "max": np.maximum}
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: np.add,
     ast.Sub: np.subtract,
@@ -81,7 +77,7 @@ class BatchedKinematics:
 
     def _follow(self, first: ET.Element, origin: list[ast.expr]) -> None:
         """Read the leg that starts with body `first`; of a branching leg, only the first branch."""
-        root: list[ast.expr] | None = None
+        root: list[ast.expr] = []
         leg: list[int] = []
         body: ET.Element | None = first
         while body is not None:
@@ -93,13 +89,15 @@ class BatchedKinematics:
                     axis = [float(number) for number in joint.get("axis", "0 0 1").split()]
                     self._hinges.append((axis, limbs[0]))
             body = body.find("body")
-        if root is not None and leg:
+        if leg:
             self._roots.append(root)
             self._legs.append(tuple(leg))
 
     def _read(self, body: ET.Element, origin: list[ast.expr]) -> tuple[list[ast.expr], list[int]]:
         """Add the limbs of one body, and return its position and the indices of its limbs."""
-        _refuse_rotation(body)
+        for attribute in ("quat", "axisangle", "euler", "xyaxes", "zaxis"):
+            if attribute in body.attrib:
+                raise ValueError(f"body {body.get('name')!r} is rotated by {attribute}")
         here = _added(origin, _numbers(body.get("pos", "0 0 0")))
         before = len(self._limbs)
         for geom in body.findall("geom"):
@@ -115,12 +113,6 @@ class BatchedKinematics:
             else:
                 raise ValueError(f"geom {geom.get('name')!r} is neither sphere nor fromto capsule")
         return here, list(range(before, len(self._limbs)))
-
-
-def _refuse_rotation(body: ET.Element) -> None:
-    for attribute in ("quat", "axisangle", "euler", "xyaxes", "zaxis"):
-        if attribute in body.attrib:
-            raise ValueError(f"body {body.get('name')!r} is rotated by {attribute}")
 
 
 def _numbers(text: str) -> list[ast.expr]:

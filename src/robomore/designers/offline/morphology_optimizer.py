@@ -25,19 +25,14 @@ Array = NDArray[np.float64]
 
 CANDIDATES = 400
 """Morphologies that one improvement compares."""
-
 TRUST_RADIUS = 0.22
 """Half-width of the trust region around the best morphology, as a fraction of each range."""
-
 SHRINK_FACTOR = 0.6
 """Factor on the half-width for each failed improvement of the same best morphology."""
-
 MIN_TRUST_RADIUS = 0.04
 """Smallest half-width of the trust region."""
-
 FITNESS_FLOOR = 0.02
 """Lower fitness counts as this fraction of the best one, so that its logarithm is finite."""
-
 MORPHOLOGY_FAILURES = (Status.INVALID_MORPHOLOGY, Status.UNSTABLE)
 """Failures that are due to the morphology. Others may be due to the reward or the machine."""
 
@@ -62,9 +57,8 @@ class MorphologyOptimizer:
         known = {e.design.morphology.parameters for e in (*history, best)}
         old = best.design.morphology.parameters
         centre = self._space.units([old])[0]
-        others = self._space.units(
-            list(dict.fromkeys(e.design.morphology.parameters for e in history if e.ok))
-        )
+        worked = dict.fromkeys(e.design.morphology.parameters for e in history if e.ok)
+        others = self._space.units(list(worked))
         points = self._candidates(centre, others, self._trust_radius(best, history), random)
         values = self._space.values(points)
         new = np.array([tuple(row) not in known for row in values.tolist()])
@@ -102,10 +96,9 @@ class MorphologyOptimizer:
 
     def _away_from_failures(self, values: Array, evaluations: Sequence[Evaluation]) -> Array:
         """Return the rows whose nearest evaluated morphology worked, or all if there are none."""
-        failed = [
-            e.design.morphology.parameters for e in evaluations if e.status in MORPHOLOGY_FAILURES
-        ]
-        worked = [e.design.morphology.parameters for e in evaluations if e.ok]
+        tried = [(e.design.morphology.parameters, e) for e in evaluations]
+        failed = [parameters for parameters, e in tried if e.status in MORPHOLOGY_FAILURES]
+        worked = [parameters for parameters, e in tried if e.ok]
         if not failed or not worked:
             return values
         points = self._space.units(values)
@@ -141,16 +134,12 @@ class MorphologyOptimizer:
         """
         fitness = [e.fitness for e in evaluations if e.ok and e.fitness is not None]
         floor = FITNESS_FLOOR * max([*fitness, 1e-9])
-        rows = by_morphology(
-            (
-                e.design.morphology.parameters,
-                e.design.reward.source,
-                float(np.log(max(e.fitness, floor))),
-            )
+        results = [
+            (e.design.morphology.parameters, e.design.reward.source, float(np.log(max(y, floor))))
             for e in evaluations
-            if e.ok and e.fitness is not None
-        )
-        effects = reward_effects(rows)
+            if e.ok and (y := e.fitness) is not None
+        ]
+        rows, effects = by_morphology(results), reward_effects(results)
         means = [np.mean([y - effects[r] for r, y in row.items()]) for row in rows.values()]
         counts = np.array([len(row) for row in rows.values()], float)
         measured = np.array(list(rows), dtype=float)
@@ -164,18 +153,11 @@ class MorphologyOptimizer:
         keys = [e.key for e in history]
         since = history[keys.index(best.key) + 1 :] if best.key in keys else ()
         old = best.design.morphology.parameters
-        failed = [
-            e
-            for e in since
-            if e.design.reward.source == reward
-            and e.design.morphology.parameters != old
-            and self._near(e.design.morphology.parameters, old)
-        ]
-        return max(TRUST_RADIUS * SHRINK_FACTOR ** len(failed), MIN_TRUST_RADIUS)
-
-    def _near(self, one: Sequence[float], other: Sequence[float]) -> bool:
-        difference = self._space.units([one]) - self._space.units([other])
-        return bool(np.abs(difference).max() <= TRUST_RADIUS + 1e-6)
+        since = [e for e in since if e.design.reward.source == reward]
+        others = [new for e in since if (new := e.design.morphology.parameters) != old]
+        apart = (np.abs(self._space.units([new]) - self._space.units([old])) for new in others)
+        failed = sum(bool(step.max() <= TRUST_RADIUS + 1e-6) for step in apart)
+        return max(TRUST_RADIUS * SHRINK_FACTOR**failed, MIN_TRUST_RADIUS)
 
     def _describe(self, new: Sequence[float], old: Sequence[float]) -> str:
         change = (self._space.units([new]) - self._space.units([old]))[0]
@@ -185,6 +167,5 @@ class MorphologyOptimizer:
             if abs(change[i]) > 0.01
         ]
         before, after = self._task.volume(old), self._task.volume(new)
-        return (
-            f"{', '.join(largest) or 'small changes'}; volume {100 * (after / before - 1):+.0f} %"
-        )
+        changed = ", ".join(largest) or "small changes"
+        return f"{changed}; volume {100 * (after / before - 1):+.0f} %"

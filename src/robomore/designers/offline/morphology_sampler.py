@@ -20,10 +20,8 @@ Array = NDArray[np.float64]
 
 POOL = 512
 """Size of the pool, some hundred times the number of proposals in a usual run."""
-
 ROUNDS = 40
 """Rounds of `POOL` draws before giving up on a full pool."""
-
 DISTANCE_WEIGHT = 2.0
 """Log efficiency that a doubled distance to the nearest earlier morphology is worth."""
 

@@ -8,6 +8,7 @@ efficiency is expected to be 2.7 times lower.
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from robomore.designers.offline.batched_kinematics import BatchedKinematics
 from robomore.designers.offline.rest_pose import RestPose
+from robomore.tasks.geometry import Shape
 from robomore.tasks.task import Task
 from robomore.tasks.unit_space import UnitSpace
 
@@ -25,27 +27,20 @@ Array = NDArray[np.float64]
 VOLUME_GAIN = 0.7
 """Log efficiency that 1/e of the volume gains. At equal speed it would be 1, but small and thin
 morphologies learn later."""
-
 STRIDE_GAIN = 1.5
 """Log efficiency that legs of e times the length gain, up to `LEG_LENGTHS[0]`: longer strides."""
-
 LEG_LENGTHS = (1.0, 1.6)
 """Length in m of a leg's moving limbs above which a robot gains nothing, and above which it loses,
 because motors of fixed strength swing long legs slowly."""
-
 SLENDERNESS = (1.5, 50.0)
 """Plausible range of a limb's length over its radius. Below are balls, above are needles."""
-
 MAX_LENGTH_SPREAD, MAX_RADIUS_SPREAD = 0.5, 0.4
 """Largest plausible standard deviation of the logarithm over the limbs of one morphology."""
-
 THIN_FRACTION = 0.2
 """Lower part of a radius's range that is penalized. Such limbs weigh so little that motors of fixed
 strength throw them about."""
-
 MAX_FOLDING = 1.5
 """Largest plausible ratio of a leg's length along its limbs to the distance between its ends."""
-
 LOW_HEIGHT = 0.3
 """A morphology whose height is below this fraction of its reach lies rather than stands."""
 
@@ -56,15 +51,13 @@ class PlausibilityPrior:
     def __init__(self, task: Task) -> None:
         self._task = task
         self._space = UnitSpace(task)
+        self._kinematics: BatchedKinematics | None = None
         try:
-            self._kinematics: BatchedKinematics | None = BatchedKinematics(
-                task.template, task.constants
-            )
+            self._kinematics = BatchedKinematics(task.template, task.constants)
         except ValueError as error:
             # A robot of a third party may use features that `BatchedKinematics` does not read.
             # Then only the solids are rated.
             log.info("%s: morphologies are rated without their rest pose: %s", task.id, error)
-            self._kinematics = None
 
     def log_efficiency(self, values: Array) -> Array:
         """Return the expected log efficiency (n,), up to a constant, of valid rows (n, size)."""
@@ -91,8 +84,9 @@ class PlausibilityPrior:
         """Which parameters (size,) set a solid's radius, found by a small change of each one."""
         centre = np.full(self._space.size, 0.5)
         changed = centre + 0.01 * np.eye(self._space.size)
-        base, *others = self._space.values(np.vstack((centre, changed)))
-        return np.array([self._radii(base) != self._radii(other) for other in others])
+        robots = map(self._shapes, self._space.values(np.vstack((centre, changed))))
+        base, *others = ([shape.radius for shape in shapes] for shapes in robots)
+        return np.array([base != other for other in others])
 
     def _rest_pose(self, values: Array) -> RestPose | None:
         if self._kinematics is None:
@@ -100,18 +94,13 @@ class PlausibilityPrior:
         columns = dict(zip(self._task.names, np.asarray(values, dtype=float).T, strict=True))
         return self._kinematics.rest_pose(columns)
 
-    def _radii(self, values: Array) -> list[float]:
+    def _shapes(self, values: Array) -> Sequence[Shape]:
         # Unlike `Task.named`, this takes values that break the task's rules.
-        named = dict(zip(self._task.names, values.tolist(), strict=True))
-        return [shape.radius for shape in self._task.shapes(named)]
+        return self._task.shapes(dict(zip(self._task.names, values.tolist(), strict=True)))
 
     def _solids(self, values: Array) -> tuple[Array, Array, Array]:
         """Return lengths (n, p) in m (0 for balls), radii (n, p) in m and volumes (n,) in m³."""
-        names = self._task.names
-        robots = [
-            self._task.shapes(dict(zip(names, row, strict=True)))
-            for row in np.asarray(values, dtype=float).tolist()
-        ]
+        robots = [self._shapes(row) for row in np.asarray(values, dtype=float)]
         lengths = [[getattr(shape, "length", 0.0) for shape in shapes] for shapes in robots]
         radii = [[shape.radius for shape in shapes] for shapes in robots]
         volumes = [sum(shape.volume for shape in shapes) for shapes in robots]

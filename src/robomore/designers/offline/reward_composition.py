@@ -7,8 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from robomore.designers.offline.reward_term import Term
-from robomore.designers.offline.reward_terms import TERMS
+from robomore.designers.offline.reward_terms import TERMS, Term
 from robomore.designers.offline.robot_semantics import RobotSemantics
 
 STYLES = ("sum", "table", "balance")
@@ -102,7 +101,7 @@ def guess_composition(source: str, suitable: Sequence[Term]) -> RewardCompositio
     text = re.sub(r"#.*", "", source).replace(" ", "").lower()
     # The signature names the velocity whether it is used or not.
     text = text.replace("def_get_rew(self,x_velocity,action)", "")
-    names = {name for sign, name in _SIGNS if sign in text}
+    names = {name for name, signs in _SIGNS.items() if any(sign in text for sign in signs)}
     found = [term for term in suitable if term.name in names]
     if not any(term.part == "task" for term in found):
         found = [*(term for term in suitable if term.part == "task")][:1] + found
@@ -135,26 +134,17 @@ def _ending(terms: Sequence[Term], style: str) -> list[str]:
     return [f"reward = {' - '.join([gains, *losses])}", *table, "return reward, terms"]
 
 
-_SIGNS = (
-    ("x_velocity", "forward_speed"),
-    ("healthy", "alive"),
-    ("alive", "alive"),
-    ("control_cost", "effort"),
-    ("square(action)", "effort"),
-    ("action**2", "effort"),
-    ("contact_cost", "hard_contact"),
-    ("cfrc_ext", "hard_contact"),
-    ("last_action", "jerkiness"),
-    ("prev_action", "jerkiness"),
-    ("previous_action", "jerkiness"),
-    ("smooth", "jerkiness"),
-    ("upright", "upright"),
-    ("energy", "power"),
-    ("power", "power"),
-    ("lateral", "drift"),
-    ("sideways", "drift"),
-    ("heading", "facing_ahead"),
-    ("height", "height_gain"),
-    ("z_velocity", "upward_speed"),
-)
-"""Words in a program without spaces, and the term that they indicate."""
+_SIGNS = {
+    "forward_speed": ("x_velocity",),
+    "alive": ("healthy", "alive"),
+    "effort": ("control_cost", "square(action)", "action**2"),
+    "hard_contact": ("contact_cost", "cfrc_ext"),
+    "jerkiness": ("last_action", "prev_action", "previous_action", "smooth"),
+    "upright": ("upright",),
+    "power": ("energy", "power"),
+    "drift": ("lateral", "sideways"),
+    "facing_ahead": ("heading",),
+    "height_gain": ("height",),
+    "upward_speed": ("z_velocity",),
+}
+"""Terms, and the words in a program without spaces that indicate them."""

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from robomore.designers.offline.reward_composition import RewardComposition, middle
-from robomore.designers.offline.reward_effects import by_morphology, reward_effects
+from robomore.designers.offline.reward_effects import reward_effects
 from robomore.designers.offline.reward_sampler import RewardSampler
-from robomore.designers.offline.reward_term import Term
+from robomore.designers.offline.reward_terms import Term
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
@@ -20,29 +20,19 @@ from robomore.types import Evaluation, Reward, Slot
 DOMINANT, NEGLIGIBLE = 0.6, 0.01
 """Mean of a term over that of the leading term, above which it dominates the task, and below which
 it has no effect."""
-
 SLOW = 0.3
 """Forward speed in m/s below which a robot counts as standing still."""
-
 FALL_FRACTION = 0.5
 """Fraction of episodes with a fall from which on stability comes first."""
-
 JERKY = 1.0
 """Mean change of an action per step (at most 2) above which the actions count as jerky."""
-
 DRAWS = 40
 """Changes that are drawn before giving up on an untried one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One possible change of a reward.
-
-    Attributes:
-        composition: the changed reward.
-        reason: the reason in words, for people who read the run.
-        weight: probability that it is drawn, relative to the others.
-    """
+    """A changed reward, the reason in words for people, and the relative probability of a draw."""
 
     composition: RewardComposition
     reason: str
@@ -97,84 +87,69 @@ class RewardOptimizer:
             for name in ("alive", "upright", "lean", "riding_height"):
                 if (term := self._known(name)) is not None:
                     weight = 1.6 * composition.weights.get(name, middle(term))
-                    yield Change(
-                        composition.with_term(term, weight),
-                        "the robot falls, so more weight on stability",
-                        1.5,
-                    )
+                    steadier = composition.with_term(term, weight)
+                    yield Change(steadier, "the robot falls, so more weight on stability", 1.5)
         speed = moved.get("forward_speed_m_s", math.inf)
         if not self._sampler.robot.jumps and speed < SLOW and not falls:
             for name in ("early_progress", "activity"):
                 if (term := self._known(name)) is not None and name not in composition.weights:
-                    yield Change(
-                        composition.with_term(term, term.high),
-                        "the robot stands still, so a term for motion",
-                        2.0,
-                    )
+                    moving = composition.with_term(term, term.high)
+                    yield Change(moving, "the robot stands still, so a term for motion", 2.0)
             lead = composition.lead
             if lead is not None:
                 # Early in training, a small reward has no effect beside the policy's entropy bonus.
                 larger = composition.with_term(lead, 2 * composition.weights[lead.name])
                 yield Change(larger, "the robot stands still, so more weight on the task", 2.0)
-            standing = [
-                term.name for term in composition.terms if term.part in ("survival", "cost")
-            ]
+            standing = [t.name for t in composition.terms if t.part in ("survival", "cost")]
             if standing:
-                yield Change(
-                    _scaled(composition, standing, 0.4),
-                    "the robot stands still, so less weight on survival and costs",
-                    2.0,
-                )
+                freer = _scaled(composition, standing, 0.4)
+                reason = "the robot stands still, so less weight on survival and costs"
+                yield Change(freer, reason, 2.0)
         if moved.get("mean_jerk", 0.0) > JERKY:
             term = self._known("jerkiness")
             if term is not None and "jerkiness" not in composition.weights:
-                yield Change(
-                    composition.with_term(term, middle(term)),
-                    "the actions are jerky, so a cost for changes of the action",
-                    1.0,
-                )
+                smoother = composition.with_term(term, middle(term))
+                reason = "the actions are jerky, so a cost for changes of the action"
+                yield Change(smoother, reason, 1.0)
 
     def _corrections_of_balance(
         self, composition: RewardComposition, best: Evaluation
     ) -> Iterator[Change]:
         """Yield changes of terms that dominate the task, and of terms without effect."""
-        sizes = {
-            name: abs(best.terms[name].mean) for name in composition.weights if name in best.terms
-        }
+        sizes = {n: abs(best.terms[n].mean) for n in composition.weights if n in best.terms}
         lead = composition.lead
         if lead is None or not sizes.get(lead.name):
             return
         for name, size in sizes.items():
             share = size / sizes[lead.name]
             if name != lead.name and share > DOMINANT:
-                factor = max(0.5 * DOMINANT / share, 0.25)
-                yield Change(
-                    _scaled(composition, [name], factor),
-                    f"{name} dominated {lead.name} ({size:.2g} against {sizes[lead.name]:.2g})",
-                    3.0,
-                )
+                lighter = _scaled(composition, [name], max(0.5 * DOMINANT / share, 0.25))
+                against = f"({size:.2g} against {sizes[lead.name]:.2g})"
+                yield Change(lighter, f"{name} dominated {lead.name} {against}", 3.0)
             elif name != lead.name and share < NEGLIGIBLE:
-                yield Change(
-                    composition.without([name]), f"{name} had no effect and is removed", 0.7
-                )
+                without = composition.without([name])
+                yield Change(without, f"{name} had no effect and is removed", 0.7)
 
     def _copies(
         self, composition: RewardComposition, best: Evaluation, history: Sequence[Evaluation]
     ) -> Iterator[Change]:
         """Yield terms of rewards that scored better than the mean of their morphologies."""
-        for source, gain in self._gains(history).items():
+        # How much each reward raises the log score of its morphologies.
+        gains = reward_effects(
+            (e.design.morphology.parameters, e.design.reward.source, math.log(score))
+            for e in history
+            if (score := e.score(self._objective)) is not None and score > 0
+        )
+        for source, gain in gains.items():
             if gain <= 0 or source == best.design.reward.source:
                 continue
             other = self._sampler.composition(source)
-            apart = [
-                t for t in other.terms if composition.weights.get(t.name) != other.weights[t.name]
-            ]
+            mine, theirs = composition.weights, other.weights
+            apart = [term for term in other.terms if mine.get(term.name) != theirs[term.name]]
             for term in apart:
-                yield Change(
-                    composition.with_term(term, other.weights[term.name]),
-                    f"{term.name} copied from a reward with a good score",
-                    1.5 * min(gain, 1) / len(apart),
-                )
+                copied = composition.with_term(term, theirs[term.name])
+                reason = f"{term.name} copied from a reward with a good score"
+                yield Change(copied, reason, 1.5 * min(gain, 1) / len(apart))
 
     def _random_changes(
         self, composition: RewardComposition, random: np.random.Generator
@@ -191,20 +166,9 @@ class RewardOptimizer:
                 yield Change(drawn, f"{term.name} added", 0.8 / len(self._sampler.suitable))
         for name in composition.weights:
             if composition.lead is not None and name != composition.lead.name:
-                yield Change(
-                    composition.without([name]), f"{name} removed", 0.3 / len(composition.weights)
-                )
+                weight = 0.3 / len(composition.weights)
+                yield Change(composition.without([name]), f"{name} removed", weight)
         yield Change(self._jittered(composition, random), "other weights", 0.5)
-
-    def _gains(self, history: Sequence[Evaluation]) -> dict[str, float]:
-        """Return how much each reward raises the log score of its morphologies."""
-        return reward_effects(
-            by_morphology(
-                (e.design.morphology.parameters, e.design.reward.source, math.log(score))
-                for e in history
-                if (score := e.score(self._objective)) is not None and score > 0
-            )
-        )
 
     def _known(self, name: str) -> Term | None:
         return next((term for term in self._sampler.suitable if term.name == name), None)

@@ -14,8 +14,7 @@ from robomore.designers.offline.reward_composition import (
     parse_composition,
     rounded,
 )
-from robomore.designers.offline.reward_term import Term
-from robomore.designers.offline.reward_terms import suitable
+from robomore.designers.offline.reward_terms import Term, suitable
 from robomore.designers.offline.robot_semantics import robot_semantics
 from robomore.errors import ProposalFailed
 from robomore.identity import derive_seed
@@ -47,14 +46,12 @@ class RewardSampler:
         random = np.random.default_rng(derive_seed(self._seed, "reward", slot))
         known = {reward.source for reward in earlier}
         others = [self.composition(reward.source) for reward in earlier]
-        if not others and slot.attempt == 0:
-            draws = [self._plain(random)]
-        else:
-            draws = [self._drawn(random) for _ in range(DRAWS)]
+        first = not others and slot.attempt == 0
+        draws = [self._plain(random)] if first else [self._drawn(random) for _ in range(DRAWS)]
         fresh = [draw for draw in draws if draw.source(self.robot) not in known]
         if not fresh:
             raise ProposalFailed(f"{self._task.id}: no new reward was found")
-        best = max(fresh, key=lambda draw: _novelty(draw, others))
+        best = max(fresh, key=lambda draw: min((_distance(draw, o) for o in others), default=1.0))
         return Reward(best.source(self.robot), best.idea())
 
     def composition(self, source: str) -> RewardComposition:
@@ -107,11 +104,6 @@ def damped(composition: RewardComposition) -> RewardComposition:
             composition.style,
         )
     return composition
-
-
-def _novelty(composition: RewardComposition, others: Sequence[RewardComposition]) -> float:
-    """Return the distance of a composition to the nearest of `others`."""
-    return min((_distance(composition, other) for other in others), default=1.0)
 
 
 def _distance(one: RewardComposition, other: RewardComposition) -> float:

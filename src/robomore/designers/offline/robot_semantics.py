@@ -44,6 +44,14 @@ class _Joint:
     position: int
     velocity: int
 
+    @property
+    def angle(self) -> str:
+        return f"self.data.qpos[{self.position}]"
+
+    @property
+    def rate(self) -> str:
+        return f"self.data.qvel[{self.velocity}]"
+
 
 def robot_semantics(task: Task) -> RobotSemantics:
     """Return what a reward can read on the robot of `task`."""
@@ -98,53 +106,46 @@ def _of_root(joints: Sequence[_Joint]) -> dict[str, str]:
     _, across, turn = joints
     if across.axis == "0 0 1":
         return {
-            "height": f"self.data.qpos[{across.position}]",
+            "height": across.angle,
             "rest": f"self.init_qpos[{across.position}]",
-            "lift": f"self.data.qvel[{across.velocity}]",
-            "up": f"np.cos(self.data.qpos[{turn.position}])",
-            "spin": f"self.data.qvel[{turn.velocity}] ** 2",
-            "tip": f"self.data.qvel[{turn.velocity}]",
+            "lift": across.rate,
+            "up": f"np.cos({turn.angle})",
+            "spin": f"{turn.rate} ** 2",
+            "tip": turn.rate,
         }
     return {
-        "sideways": f"self.data.qvel[{across.velocity}]",
-        "offset": f"self.data.qpos[{across.position}]",
-        "heading": f"np.cos(self.data.qpos[{turn.position}])",
-        "spin": f"self.data.qvel[{turn.velocity}] ** 2",
+        "sideways": across.rate,
+        "offset": across.angle,
+        "heading": f"np.cos({turn.angle})",
+        "spin": f"{turn.rate} ** 2",
     }
 
 
 def _of_legs(legs: Sequence[Sequence[_Joint]], found: Mapping[str, str]) -> dict[str, str]:
     """Return the quantities of the joints that make a gait."""
-
-    def rate(joint: _Joint) -> str:
-        return f"self.data.qvel[{joint.velocity}]"
-
-    def angle(joint: _Joint) -> str:
-        return f"self.data.qpos[{joint.position}]"
-
     if len(legs) == 2 and "lift" in found:
         (one, *_), (other, *_) = legs
         return {
             "legs2": "",
-            "hip_rate": rate(one),
-            "other_hip_rate": rate(other),
-            "hip_angle": angle(one),
-            "other_hip_angle": angle(other),
+            "hip_rate": one.rate,
+            "other_hip_rate": other.rate,
+            "hip_angle": one.angle,
+            "other_hip_angle": other.angle,
         }
     if len(legs) == 4 and "roll_free" in found:
         # The legs are counted around the torso, so the first and the third are a diagonal. Seen
         # from above, a left leg swings forward clockwise and a right leg counter-clockwise.
-        return {"legs4": "", **{f"hip{i}": rate(leg[0]) for i, leg in enumerate(legs, 1)}}
+        return {"legs4": "", **{f"hip{i}": leg[0].rate for i, leg in enumerate(legs, 1)}}
     if len(legs) == 1 and "lift" in found and len(legs[0]) >= 2:
-        return {"legs1": "", "knee_rate": rate(legs[0][1]), "knee_angle": angle(legs[0][1])}
+        return {"legs1": "", "knee_rate": legs[0][1].rate, "knee_angle": legs[0][1].angle}
     if len(legs) == 1 and len(legs[0]) >= 2:
         first, second, *_ = legs[0]
         return {
             "chain": "",
-            "bend": angle(first),
-            "next_bend": angle(second),
-            "bend_rate": rate(first),
-            "next_bend_rate": rate(second),
+            "bend": first.angle,
+            "next_bend": second.angle,
+            "bend_rate": first.rate,
+            "next_bend_rate": second.rate,
         }
     return {}
 

@@ -13,7 +13,6 @@ Array = NDArray[np.float64]
 
 LENGTH_SCALES = (0.15, 0.25, 0.4, 0.65, 1.0)
 """Length scales that are tried, in units of sqrt(dimension), with which distances grow."""
-
 NOISE_FRACTIONS = (0.02, 0.1, 0.3, 0.6)
 """Noise levels that are tried, as fractions of the variance."""
 

@@ -1,0 +1,33 @@
+"""One episode of a moving robot, as poses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from robomore.rendering.recording import record
+from robomore.tasks import get_task
+
+
+def still(observation: Any) -> Any:
+    return np.zeros((len(observation), 3))
+
+
+def test_an_episode_ends_when_the_robot_falls() -> None:
+    task = get_task("hopper")
+    seen = record(task, task.reference, still, "still", seed=1)
+    again = record(task, task.reference, still, "still", seed=1)
+    assert seen.fell and len(seen.poses) < task.episode_steps
+    assert seen.poses.shape[1] == seen.model.nq
+    assert np.array_equal(seen.poses, again.poses)
+    assert not np.array_equal(seen.poses[0], record(task, task.reference, still, "", 2).poses[0])
+    assert seen.seconds == (len(seen.poses) - 1) * seen.dt
+    assert seen.distance == seen.poses[-1, 0] - seen.poses[0, 0]
+    assert seen.height >= seen.poses[0, 1]
+
+
+def test_an_episode_ends_when_its_time_is_up() -> None:
+    task = get_task("swimmer")
+    seen = record(task, task.reference, lambda one: np.zeros((len(one), 2)), "still")
+    assert not seen.fell and len(seen.poses) == task.episode_steps + 1
