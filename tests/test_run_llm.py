@@ -30,6 +30,7 @@ from robomore.experiment import run
 from robomore.llm import Exchange, ModelBudget, Sampling, Spending, connect
 from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import RetryPolicy
+from robomore.plan import Plan
 from robomore.rewards.dry_run import DryRun
 from robomore.runs import load_run
 from robomore.settings import RunSettings, with_method
@@ -202,7 +203,10 @@ def test_by_slot_another_trainer_gets_the_same_proposals(drafted: Path, tmp_path
 
 def test_only_runs_of_a_model_can_be_replayed(tmp_path: Path) -> None:
     folder = tmp_path / "offline"
-    run("swimmer", TINY, seed=1, executor="untrained", out=folder)
+    manifest = Manifest(
+        *("swimmer", {}, "custom", "offline", "No LLM was used.", 1, TINY), plan=Plan(())
+    )
+    RunFolder.prepare(folder, manifest).release()
     with pytest.raises(InputError, match="designed by 'offline'"):
         run(
             "swimmer",
