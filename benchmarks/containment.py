@@ -4,9 +4,9 @@
     python benchmarks/containment.py --task ant --preset quick --repeats 12
 
 The parts are the least of many tries, which a busy machine blurs little. The whole is the same
-training in a sandboxed process and in a plain process, both at the same time, so that whatever slows
-one down slows the other too; the parent counts in, and of each pair the ratio is taken. It needs
-two cores to itself to be sharp; the interval says how sharp it is.
+training in a sandboxed process and in a plain process at the same time, so that whatever slows down
+one of them slows down the other too. The costs include the parent's, and the ratio is taken of each
+pair. It needs two cores to itself to be precise; the interval says how precise it is.
 """
 
 from __future__ import annotations
@@ -211,7 +211,7 @@ from types import ModuleType
 sys.modules["glfw"] = ModuleType("glfw")
 from robomore.evaluation.train import train
 train(sys.stdin.buffer.read(), Path(sys.argv[1]), lambda steps: None)
-os._exit(0)  # as the sandboxed process does, which spares both what libraries tidy up
+os._exit(0)  # as the sandboxed process does: neither pays for what libraries clean up
 """
 
 
