@@ -17,7 +17,8 @@ help: ## List these verbs
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 demo: $(VENV)/.run ## Search for a better robot on this machine; ends with a report
-	$(BIN)/robomore run half-cheetah --preset quick --seed 0 --out runs/demo
+	$(BIN)/robomore run half-cheetah --preset quick --steps 20000 --reference-reward out \
+		--method-option max_cycles=1 --seed 0 --out runs/demo
 
 test: $(VENV)/.dev ## Run the tests, on all cores
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
