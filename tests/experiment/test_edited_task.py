@@ -11,6 +11,7 @@ import pytest
 import untrained  # noqa: F401  # known as an executor once it is imported
 from robomore import load_run, run
 from robomore.errors import RunFolderError
+from robomore.settings import preset, with_method
 from robomore.tasks import TASKS, Task, get_task
 from robomore.tasks.fingerprint import task_key
 
@@ -29,7 +30,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Task:
 
 
 def search(task: Task, out: Path) -> None:
-    run(task, "smoke", executor="untrained", out=out)
+    run(task, with_method(preset("smoke"), "random"), executor="untrained", out=out)
 
 
 EDITS: dict[str, Callable[[Task], Task]] = {
