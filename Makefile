@@ -18,7 +18,8 @@ help: ## List these verbs
 
 demo: $(VENV)/.run ## Search for a better robot on this machine; ends with a report
 	$(BIN)/robomore run half-cheetah --preset quick --steps 20000 --reference-reward out \
-		--method-option max_cycles=1 --seed 0 --out runs/demo
+		--method-option morphologies=3 --method-option rewards=2 --method-option max_cycles=1 \
+		--seed 0 --out runs/demo
 
 test: $(VENV)/.dev ## Run the tests, on all cores
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
