@@ -59,7 +59,8 @@ def test_a_model_behind_a_real_server_designs_a_whole_quick_run(
     )
     assert accepted["coarse", "morphology"] == sizes.morphologies
     assert accepted["coarse", "reward"] == sizes.proposed_rewards
-    assert accepted["fine", "morphology"] >= 2 and accepted["fine", "reward"] >= 2
+    # A branch ends after a cycle that improved nothing.
+    assert accepted["fine", "morphology"] >= 1 and accepted["fine", "reward"] >= 1
     assert sum(accepted.values()) < len(exchanges)
     assert all(one.validation_errors is not None for one in exchanges)
     assert all(one.structured for one in exchanges if one.slot.kind == "morphology")

@@ -172,8 +172,7 @@ class _Slot:
                     stderr=self._log,
                     # Ctrl-C goes to the parent alone, which then stops the workers in order.
                     start_new_session=True,
-                    env={name: os.environ[name] for name in _INHERITED if name in os.environ}
-                    | dict.fromkeys(_THREAD_PINS, "1"),
+                    env=_environment(),
                 )
             return self._process
 
@@ -194,6 +193,11 @@ class _Slot:
         self._log.seek(max(0, size - _LOG_TAIL))
         text = self._log.read().decode(errors="replace").strip()
         return f"; its last output: {text}" if text else ""
+
+
+def _environment() -> dict[str, str]:
+    inherited = {name: os.environ[name] for name in _INHERITED if name in os.environ}
+    return inherited | dict.fromkeys(_THREAD_PINS, "1")
 
 
 def _how_it_ended(code: int) -> str:
