@@ -25,6 +25,8 @@ from robomore.types import TermStatistics
 _LONGEST = 500
 """Characters of a reward's own words that a diagnosis repeats."""
 
+_NAMES = "a name is one line of printable characters;"
+
 _INDEX = "_simulation_index"
 """Attribute of `self` that holds the number of its simulation."""
 
@@ -114,8 +116,12 @@ class RewardRunner:
             if type(result) is tuple and len(result) == 2:
                 value, terms = as_number(result[0]), result[1]
                 if value is not None and isfinite(value) and isinstance(terms, Mapping):
+                    try:
+                        record(terms)
+                    except ValueError as error:
+                        said = f"names a term wrongly: {error}; {_NAMES}"
+                        raise self._failed(said, len(rewards), speed, action) from None
                     rewards.append(value)
-                    record(terms)
                     continue
             raise self._failed(_fault(result), len(rewards), speed, action)
         self._steps[0] += len(rewards)
@@ -249,7 +255,14 @@ def _fault(result: Any) -> str:
         return f"returned {_shown(value)} in the place of the number; {wanted}"
     if not isinstance(terms, Mapping):
         return f"returned {_shown(terms)} in the place of the terms; {wanted}"
-    return f"was {number} with the terms {_shown(terms)}; it must be finite;"
+    parts = {str(name)[:80]: as_number(term) for name, term in terms.items()}
+    faulty = [
+        f"{name!r} was {part}"
+        for name, part in parts.items()
+        if part is not None and not math.isfinite(part)
+    ]
+    which = f" (the term {', '.join(faulty[:3])})" if faulty else ""
+    return f"was {number}{which} with the terms {_shown(terms)}; it must be finite;"
 
 
 def _shown(value: Any) -> str:

@@ -75,14 +75,19 @@ def believed(reply: bytes) -> Training:
     curve = claimed.curve
     if curve is not None:
         check_curve(curve)
-        curve = Curve(curve.steps, {sanitize(name): curve.series[name] for name in curve.series})
+        curve = Curve(curve.steps, {_one_line(name): curve.series[name] for name in curve.series})
     terms = islice(claimed.terms.items(), _MOST_TERMS)
     return Training(
         claimed.steps,
-        {sanitize(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
+        {_one_line(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
         tuple(sanitize(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
         curve,
     )
+
+
+def _one_line(name: str) -> str:
+    """Return a name that starts no new line wherever it is shown."""
+    return " ".join(sanitize(name).split())
 
 
 _MOST_TERMS, _LONGEST_NAME = 64, 100

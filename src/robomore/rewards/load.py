@@ -5,14 +5,18 @@ is executed, and nothing but the operating system's boundary protects against it
 from __future__ import annotations
 
 import inspect
+from collections.abc import Callable
 
-from robomore.envs.reward_program import RewardProgram
+from robomore.envs.reward_program import NAME, RewardProgram
+from robomore.envs.robots.base import RewardFunction
 from robomore.errors import InvalidReward
 from robomore.sandbox import heartbeat
 from robomore.sandbox.explain import explain
 
 
-def load_reward(source: str) -> RewardProgram:
+def load_reward(
+    source: str, watch: Callable[[RewardFunction], RewardFunction] | None = None
+) -> RewardProgram:
     """Execute `source` and return its `_get_rew(self, x_velocity, action)`.
 
     `np`, `numpy` and `math` are there without an import, annotations are not evaluated, and `print`
@@ -20,16 +24,20 @@ def load_reward(source: str) -> RewardProgram:
 
     Args:
         source: program text of the reward.
+        watch: given each simulation's function; returns what is called in its place.
 
     Raises:
         InvalidReward: with line and reason, where the text does not compile, fails as it is
             executed, or defines no `_get_rew` that takes (self, x_velocity, action).
     """
-    program = RewardProgram(
-        source, {"print": _silent}, watched=heartbeat.watched, watch=heartbeat.watch
-    )
+
+    def counted(function: RewardFunction) -> RewardFunction:
+        function = heartbeat.watch(function)
+        return watch(function) if watch else function
+
+    program = RewardProgram(source, {"print": _silent}, heartbeat.watched, counted)
     try:
-        function = program.instance().function
+        function = program.instance().namespace[NAME]
     except InvalidReward:
         raise
     except BaseException as error:  # noqa: BLE001  # untrusted code may raise SystemExit and worse
