@@ -144,6 +144,10 @@ class RewardProgram:
         """Return the place of a function's code in `codes`, `None` if it is not of this text."""
         return self._places.get(id(code))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how a copy is made: from the text, since each process executes it anew."""
+        return RewardProgram, (self.source,)
+
     def line_of(self, name: str) -> int:
         """Return the line in which `name` (or `self.name`) first gets a value, else 1."""
         for node in ast.walk(ast.parse(self.source)):

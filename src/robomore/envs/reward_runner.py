@@ -108,8 +108,7 @@ class RewardRunner:
             self._rewards, self._selves, x_velocity, actions, strict=True
         ):
             try:
-                # A copy, so that no simulation's action leads to another's.
-                result = reward(robot, speed, action.copy())
+                result = reward(robot, speed, action)
             except (Exception, SystemExit) as error:
                 what = f"raised {self._explain(error)}"
                 raise self._failed(what, len(rewards), speed, action) from error
