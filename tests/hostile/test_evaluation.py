@@ -78,7 +78,7 @@ def evaluate(planted: World, name: str, source: str) -> Evaluation:
         limits=LIMITS,
         task_key=task_key(TASK),
     )
-    request = Request(job, key=name, scratch=str(planted.scratch(name)))
+    request = Request(job, key=name.replace("/", "-"), scratch=str(planted.scratch(name)))
     return module.evaluate(request, lambda steps: None).evaluation
 
 

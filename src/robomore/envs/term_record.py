@@ -15,6 +15,10 @@ from robomore.types import TermStatistics
 _MOST_TERMS = 64
 """Terms beyond so many are not recorded: names made up in every step must not fill the memory."""
 
+_SCALE = 2.0**-64
+"""Of the sums, so that a sum of numbers near the largest is a number too. A power of two changes no
+digit."""
+
 
 class TermRecord:
     """What is known of each term that was ever a finite number.
@@ -23,7 +27,7 @@ class TermRecord:
     """
 
     def __init__(self) -> None:
-        self._terms: dict[str, list[float]] = {}  # name -> count, sum, low, high
+        self._terms: dict[str, list[float]] = {}  # name -> count, scaled sum, low, high
 
     def add(self, terms: Mapping[Any, Any]) -> None:
         """Record the terms of one call; what is not one finite number does not count."""
@@ -35,24 +39,26 @@ class TermRecord:
             record = known.get(name)
             if record is not None:
                 record[0] += 1
-                record[1] += value
+                record[1] += value * _SCALE
                 if value < record[2]:
                     record[2] = value
                 elif value > record[3]:
                     record[3] = value
             elif isinstance(name, str) and len(known) < _MOST_TERMS:
-                known[name] = [1, value, value, value]
+                known[name] = [1, value * _SCALE, value, value]
 
     def statistics(self) -> dict[str, TermStatistics]:
         """Return mean, low and high by name."""
         return {
-            name: TermStatistics(total / count, low, high)
+            name: TermStatistics(total / count / _SCALE, low, high)
             for name, (count, total, low, high) in self._terms.items()
         }
 
     def sums(self) -> dict[str, tuple[int, float]]:
         """Return count and sum by name."""
-        return {name: (int(count), total) for name, (count, total, _, _) in self._terms.items()}
+        return {
+            name: (int(count), total / _SCALE) for name, (count, total, _, _) in self._terms.items()
+        }
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything, as arrays."""
