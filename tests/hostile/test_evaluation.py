@@ -71,7 +71,7 @@ def evaluate(planted: World, name: str, source: str) -> Evaluation:
     job = Job(
         TASK.id,
         Design(Morphology(TASK.reference), Reward(source)),
-        TrainerSettings("crossq", {"num_envs": 4}),
+        TrainerSettings("crossq", {"num_envs": 4, "net_arch": []}),
         steps=240,
         episodes=1,
         seed=1,

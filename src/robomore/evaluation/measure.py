@@ -118,7 +118,8 @@ class _Finite(MLPPolicy):
     """A policy that raises where an action is no finite number."""
 
     def act(self, observations: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
-        actions = super().act(observations)
+        with np.errstate(over="ignore", invalid="ignore"):
+            actions = super().act(observations)
         if not np.isfinite(actions).all():
             raise TrainingDiverged(
                 "the policy that came out of training gives actions that are not finite numbers"
