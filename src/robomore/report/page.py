@@ -20,6 +20,7 @@ from robomore.runs import Run, load_run
 from robomore.runs.grid import grids
 from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
 from robomore.store import RunFolder
+from robomore.text import sanitize
 
 _PICTURE = (460, 340)
 
@@ -39,7 +40,7 @@ def write_report(run: Run | Path, out: Path | None = None) -> Path:
     usual = RunFolder(run.folder).report
     path = out or (usual.with_name(f"report-{run.focus}.html") if run.focus else usual)
     try:
-        write_plain(path, render(run).encode())
+        write_plain(path, sanitize(render(run)).encode())
     except OSError as error:
         raise InputError(
             f"cannot write {path} ({error.strerror}); name a file with --out"
