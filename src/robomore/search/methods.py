@@ -28,6 +28,7 @@ METHODS: Registry[type[SearchMethod]] = Registry(
         "robomore": "robomore.search.robomore:RoboMoRe",
         "random": "robomore.search.random:RandomSearch",
         "reference": "robomore.search.reference:ReferenceOnly",
+        "slim-reference": "robomore.search.slim_reference:SlimReference",
     },
     _fault,
 )
