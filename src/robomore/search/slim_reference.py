@@ -108,8 +108,8 @@ def slim(task: Task, settings: SlimReferenceSettings) -> list[Morphology]:
     if not least <= thinnest < 1:
         raise InputError(
             f"the radii of {task.id} cannot be scaled by {thinnest:.4g}: its bounds and rules "
-            f"allow {least:.4g} at the least; leave --method-option thinnest out, or choose another "
-            "--method"
+            f"allow {least:.4g} at the least; leave --method-option thinnest out, or choose "
+            "another --method"
         )
     scales = [thinnest ** (1 - n / settings.values) for n in range(settings.values)]
     found = {values: scale for scale in scales if (values := scaled(scale))}
