@@ -191,12 +191,10 @@ class VectorEnv:
             )
         before = self._position.copy()
         self._controls.write(applied)
-        model, frame_skip = self.model, self._frame_skip
-        for data in self.data:
-            mujoco.mj_step(model, data, frame_skip)
+        self._simulate()
         if self._forces_needed:
             for data in self.data:
-                mujoco.mj_rnePostConstraint(model, data)
+                mujoco.mj_rnePostConstraint(self.model, data)
         self._gather()
         diverged = self._settle_diverged()
 
@@ -290,6 +288,11 @@ class VectorEnv:
                     if name.startswith(prefix)
                 }
             )
+
+    def _simulate(self) -> None:
+        model, frame_skip = self.model, self._frame_skip
+        for data in self.data:
+            mujoco.mj_step(model, data, frame_skip)
 
     def _gather(self) -> None:
         self._rows.read()

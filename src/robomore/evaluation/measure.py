@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import fmean
 
-from robomore.envs.vector_env import VectorEnv
+from robomore.envs.measured_env import MeasuredEnv
 from robomore.errors import TrainingDiverged
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
@@ -72,13 +73,14 @@ def measure(
             anything).
         UnstableSimulation: the physics diverged over and over.
     """
-    env = VectorEnv(task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False)
+    env = MeasuredEnv(task, parameters, min(episodes, _SIDE_BY_SIDE))
     expected = env.observation_size, env.action_size
     if (policy.weights[0].shape[0], policy.weights[-1].shape[1]) != expected:
         raise TrainingDiverged("the policy that came out of training does not fit the robot")
     seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
     run = rollout(policy, env, seeds)
     worth = run.distance if task.fitness == "distance" else run.highest
+    motions = [env.motions[seed] for seed in seeds]
     step_seconds = float(env.environment.dt)
     return Measurement(
         fitness=float(worth.mean()),
@@ -93,5 +95,9 @@ def measure(
             "fell_share": float(run.fell.mean()),
             "mean_effort": float(run.effort.mean()),
             "mean_jerk": float(run.jerk.mean()),
+            "energy_j": fmean(one.energy for one in motions),
+            "ground_contact_share": fmean(one.ground_contact for one in motions),
+            "stride_frequency_hz": fmean(one.stride_frequency for one in motions),
+            "joint_amplitude_rad": fmean(one.joint_amplitude for one in motions),
         },
     )
