@@ -29,6 +29,9 @@ METHODS: Registry[type[SearchMethod]] = Registry(
         "random": "robomore.search.random:RandomSearch",
         "reference": "robomore.search.reference:ReferenceOnly",
         "slim-reference": "robomore.search.slim_reference:SlimReference",
+        "bayesian": "robomore.search.bayesian:Bayesian",
+        "cmaes": "robomore.search.cmaes:CMAES",
+        "genetic": "robomore.search.genetic:Genetic",
     },
     _fault,
 )
