@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from robomore.runs.statistics import Spread
+from robomore.statistics.spread import Spread
 
 EFFICIENCY_UNIT = "m/m³"
 
