@@ -29,8 +29,8 @@ from robomore.rewards.continuation import check_continuation
 from robomore.rewards.dry_run_findings import Observed, Term, findings, morphologies
 from robomore.rewards.load import load_reward
 from robomore.sandbox.call import Containment, run_sandboxed
-from robomore.text import one_line
 from robomore.tasks import Task, get_task
+from robomore.text import one_line
 from robomore.types import Limits, Status
 
 RANDOM_MORPHOLOGIES = 2
