@@ -12,6 +12,7 @@ from robomore.evaluation.request import Request, Training
 from robomore.rewards.continuation import check_continuation
 from robomore.rewards.load import load_reward
 from robomore.tasks import get_task
+from robomore.text import to_json
 from robomore.training.settings import make_trainer, settings_from
 
 POLICIES = "policy-*.npz"
@@ -54,6 +55,6 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     )
     for index, policy in enumerate(trained.policies):
         policy.save(scratch / POLICIES.replace("*", f"{index:02}"))
-    return msgspec.json.encode(
+    return to_json(
         Training(job.steps, environment.reward_statistics(), environment.notes(), trained.curve)
     )
