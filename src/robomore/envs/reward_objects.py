@@ -10,7 +10,7 @@ import enum
 import functools
 import sys
 import types
-from collections import Counter, OrderedDict, UserDict, UserList, defaultdict, deque
+from collections import ChainMap, Counter, OrderedDict, UserDict, UserList, defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import MISSING
 from typing import Any
@@ -29,7 +29,7 @@ NATIVE: tuple[type, ...] = (
 """Types whose content can be kept, also that of a class that builds on one. The order of a set
 depends on all that ever was in it, so it cannot be kept."""
 
-BASES = frozenset({object, types.SimpleNamespace, UserDict, UserList, *NATIVE})
+BASES = frozenset({object, types.SimpleNamespace, ChainMap, UserDict, UserList, *NATIVE})
 """Types outside the reward whose instances hold nothing besides content and attributes."""
 
 _DESCRIPTORS = (
