@@ -16,12 +16,14 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from types import CodeType, ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robomore.envs.robots.base import Array, RewardFunction
 from robomore.errors import InvalidReward
+
+if TYPE_CHECKING:
+    from robomore.envs.robots.base import Array, RewardFunction
 
 REWARD_FILENAME = "<reward>"
 """The name under which a reward's text is compiled, and its lines stand in tracebacks."""
