@@ -63,6 +63,8 @@ def address(value: Any) -> str | None:
         name, inner = value.__module__, value.__qualname__
     elif isinstance(value, np.ufunc):
         name, inner = "numpy", value.__name__
+    elif type(value).__module__ == MODULE:
+        return None
     elif callable(value) and isinstance(getattr(value, "__name__", None), str):
         name, inner = getattr(value, "__module__", None), value.__name__
     else:
@@ -255,8 +257,9 @@ def _inside(value: Any, instance: RewardInstance) -> Iterator[tuple[Any, bool]]:
 
 
 def _content(value: Any) -> list[Any]:
-    if isinstance(value, dict):
-        return [one for pair in dict.items(value) for one in pair]
-    if isinstance(value, list | tuple | deque):
-        return list(value)
-    return []
+    # By the base's own methods: those of the reward may do anything.
+    kinds: tuple[Any, ...] = (list, tuple, deque)
+    for kind in kinds:
+        if isinstance(value, kind):
+            return list(kind.__iter__(value))
+    return [one for pair in dict.items(value) for one in pair] if isinstance(value, dict) else []
