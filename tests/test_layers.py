@@ -15,9 +15,9 @@ SOURCE = Path(__file__).parents[1] / "src" / "robomore"
 MODULES = sorted(SOURCE.rglob("*.py"))
 
 LAYERS = (
-    {"errors"},
-    {"types"},
-    {"identity", "plan", "registry", "settings"},
+    {"errors", "text"},
+    {"plain_files", "types"},
+    {"identity", "plan", "registry", "settings", "statistics"},
     {"events", "options"},
     {"tasks"},
     {"envs", "llm", "sandbox"},
