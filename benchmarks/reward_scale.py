@@ -23,12 +23,12 @@ FACTORS = [0.001, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0]
 OFFSETS = [-5.0, 5.0]
 NEVER_ENDING = ("half-cheetah", "swimmer")
 
-CHANGED = '''
+CHANGED = """
 
 def _get_rew(self, x_velocity, action):
     reward, terms = _reference(self, x_velocity, action)
     return {factor!r} * reward + {offset!r}, terms
-'''
+"""
 
 
 def changed(robot: str, factor: float, offset: float) -> str:
@@ -47,14 +47,6 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
-    variants = {
-        (robot, factor, offset): changed(robot, factor, offset)
-        for robot in given.robots
-        for factor, offset in [
-            *((factor, 0.0) for factor in given.factors),
-            *((1.0, offset) for offset in given.offsets if robot in NEVER_ENDING),
-        ]
-    }
     courses = [
         Course(
             robot,
@@ -64,23 +56,27 @@ def main() -> None:
             TrainerSettings("crossq"),
             given.steps,
             given.steps,
-            text,
+            changed(robot, factor, offset),
+            label=f"+ {offset:g}" if offset else f"x {factor:g}",
         )
-        for (robot, _, _), text in variants.items()
+        for robot in given.robots
+        for factor, offset in [
+            *((factor, 0.0) for factor in given.factors),
+            *((1.0, offset) for offset in given.offsets if robot in NEVER_ENDING),
+        ]
         for seed in range(given.seeds)
     ]
-    names = {text: name for name, text in variants.items()}
-    found: dict[tuple[str, float, float], dict[int, float]] = defaultdict(dict)
-    for course, marks in follow_all(courses, given.workers, given.out):
+    found: dict[tuple[str, str], dict[int, float]] = defaultdict(dict)
+    for marks in follow_all(courses, given.workers, given.out):
         for mark in marks:
-            found[names[course.reward]][mark.seed] = mark.fitness
-    for (robot, factor, offset), fitness in sorted(found.items()):
-        values = [fitness[seed] for seed in sorted(fitness)]
-        what = f"+ {offset:g}" if offset else f"x {factor:g}"
-        print(
-            f"{robot:<14}{what:<9}{median(values):>9.2f}  "
-            + " ".join(f"{value:.1f}" for value in values)
-        )
+            found[mark.robot, mark.label][mark.seed] = mark.fitness
+    for robot, label in dict.fromkeys((course.robot, course.label) for course in courses):
+        values = [fitness for _, fitness in sorted(found[robot, label].items())]
+        if values:
+            print(
+                f"{robot:<14}{label:<9}{median(values):>9.2f}  "
+                + " ".join(f"{value:.1f}" for value in values)
+            )
 
 
 if __name__ == "__main__":

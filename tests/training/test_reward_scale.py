@@ -14,7 +14,7 @@ from probes import SETTINGS, Cart
 
 from robomore.training.crossq import CrossQ
 from robomore.training.loop import TrainingRun
-from robomore.training.reward_scale import CLIP, LARGEST, measure_scale
+from robomore.training.reward_scale import CLIP, LARGEST, SPREAD, measure_scale
 from robomore.training.trainer import Transition
 
 GAMMA = 0.9
@@ -51,7 +51,7 @@ def test_values_are_those_of_a_plain_loop() -> None:
                     break
             values.append(total + factor * alive * scale.usual)
     assert scale.usual == pytest.approx(np.mean(values))
-    assert scale.deviation == pytest.approx(np.std(values))
+    assert scale.unit * SPREAD == pytest.approx(np.std(values))
 
 
 @pytest.mark.parametrize("power", [-40, -1, 3, 200])
@@ -69,7 +69,9 @@ def test_an_offset_is_taken_away_where_episodes_do_not_terminate() -> None:
     reward, ended = rewards(), every(50)
     plain = measure_scale(reward, ended, never(), GAMMA)
     offset = measure_scale(reward + 1000, ended, never(), GAMMA)
-    assert offset.normalize(reward + 1000, GAMMA) == pytest.approx(plain.normalize(reward, GAMMA), abs=1e-9)
+    assert offset.normalize(reward + 1000, GAMMA) == pytest.approx(
+        plain.normalize(reward, GAMMA), abs=1e-9
+    )
 
 
 def test_values_of_terminating_episodes_are_the_same_on_the_new_scale() -> None:
@@ -78,7 +80,7 @@ def test_values_of_terminating_episodes_are_the_same_on_the_new_scale() -> None:
     value = sum(GAMMA**k * r for k, r in enumerate(reward))
     normalised = sum(GAMMA**k * r for k, r in enumerate(scale.normalize(reward, GAMMA)))
     normalised += GAMMA**20 * scale.value_of_termination
-    assert normalised * scale.deviation + scale.usual == pytest.approx(value)
+    assert normalised * scale.unit + scale.usual == pytest.approx(value)
 
 
 def test_rare_spikes_are_clipped_and_leave_the_others_their_size() -> None:
@@ -87,8 +89,8 @@ def test_rare_spikes_are_clipped_and_leave_the_others_their_size() -> None:
     reward[7, 1] = 1e80
     reward[90, 0] = -1e60
     spiked = measure_scale(reward, every(50), never(), GAMMA)
-    assert spiked.normalize(reward, GAMMA).max() < 3 * CLIP
-    assert 0.5 < spiked.deviation / plain.deviation < 4
+    assert spiked.normalize(reward, GAMMA).max() < 3 * CLIP * SPREAD
+    assert 0.5 < spiked.unit / plain.unit < 4
 
 
 def test_rewards_that_are_nearly_always_zero_keep_the_rest() -> None:

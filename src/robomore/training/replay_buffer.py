@@ -80,8 +80,8 @@ class ReplayBuffer:
 
         A row starts at one control step and covers up to `n_steps` of the same episode. Its reward
         is their discounted sum, normalised, and its next observation the one after the last of
-        them. Its last column, in the place of terminated, is the factor that the value there counts with: `gamma`
-        to the power of the steps covered, or 0 where the episode terminated.
+        them. Its last column, in the place of terminated, is the factor that the value there counts
+        with: `gamma` to the power of the steps covered, or 0 where the episode terminated.
 
         Args:
             random: draws.
@@ -123,11 +123,14 @@ class ReplayBuffer:
         oldest = self.position if self.size == len(self.rows) else 0
         # The latest row is of the last environment; an oldest step may be there in part.
         partial = self.size % self._num_envs
-        reward, ended, terminated = (
-            np.roll(column[: self.size], -oldest)[partial:].reshape(-1, self._num_envs)
-            for column in (self.rewards, self.ended, self.rows[: self.size, -1] > 0)
+
+        def in_order(column: NDArray[Any]) -> NDArray[Any]:
+            return np.roll(column[: self.size], -oldest)[partial:].reshape(-1, self._num_envs)
+
+        terminated = self.rows[: self.size, -1] > 0
+        self.scale = measure_scale(
+            in_order(self.rewards), in_order(self.ended), in_order(terminated), gamma
         )
-        self.scale = measure_scale(reward, ended, terminated, gamma)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that `restore` needs, but for the position."""

@@ -20,26 +20,30 @@ TAIL = 0.005
 CLIP = 10.0
 """A reward is clipped that lies outside the usual ones by this many times their range."""
 
+SPREAD = 32.0
+"""Standard deviation of values on the scale. Adam moves a value by about a learning rate at each
+step, whatever its size: values around 1 would be blurred, those around 1000 reached late."""
+
 LARGEST = 1e100
 """Rewards beyond are clipped to it before anything else, so that their sums stay finite."""
 
 
 @dataclass(frozen=True, slots=True)
 class RewardScale:
-    """The scale on which critics value states: (value - `usual`) / `deviation`.
+    """The scale on which critics value states: (value - `usual`) / `unit`.
 
     A reward times a power of two has this scale times the same power, to the last bit.
 
     Attributes:
         low, high: range that rewards are clipped to.
         usual: mean value of the states that were seen, in units of the reward.
-        deviation: standard deviation of these values.
+        unit: standard deviation of these values, divided by `SPREAD`.
     """
 
     low: float = -math.inf
     high: float = math.inf
     usual: float = 0.0
-    deviation: float = 1.0
+    unit: float = 1.0
 
     def normalize(self, reward: NDArray[np.float64], gamma: float) -> NDArray[np.float64]:
         """Return rewards on this scale, of the shape of `reward`.
@@ -49,13 +53,13 @@ class RewardScale:
             gamma: discount factor for each control step.
         """
         clipped = np.clip(reward, self.low, self.high)
-        scaled: NDArray[np.float64] = (clipped - (1 - gamma) * self.usual) / self.deviation
+        scaled: NDArray[np.float64] = (clipped - (1 - gamma) * self.usual) / self.unit
         return scaled
 
     @property
     def value_of_termination(self) -> float:
         """The value, on this scale, of a state after which there are no rewards."""
-        return -self.usual / self.deviation
+        return -self.usual / self.unit
 
     def to_array(self) -> NDArray[np.float64]:
         """Return the numbers, (4,)."""
@@ -82,10 +86,10 @@ def measure_scale(
     width = most - least
     low, high = least - CLIP * width, most + CLIP * width
     # A power of two in place of the width, so that squares stay finite and bits do not change.
-    unit = 2.0 ** math.frexp(width or abs(most) or 1.0)[1]
+    power = 2.0 ** math.frexp(width or abs(most) or 1.0)[1]
     # Of each step's state: the discounted rewards to the end of what was seen of its episode, and
     # what the value of the state there counts with.
-    returns = np.clip(reward, low, high) / unit
+    returns = np.clip(reward, low, high) / power
     rest = gamma * ~terminated
     for step in range(len(returns) - 2, -1, -1):
         goes_on = ~ended[step]
@@ -96,4 +100,4 @@ def measure_scale(
     values = returns + usual * rest
     # The values of a reward that never changes differ by rounding, or not at all.
     deviation = max(float(values.std()), 1e-6 * float(np.abs(values).max())) or 1.0
-    return RewardScale(low, high, usual * unit, deviation * unit)
+    return RewardScale(low, high, usual * power, deviation * power / SPREAD)
