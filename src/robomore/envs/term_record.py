@@ -15,9 +15,12 @@ from robomore.types import TermStatistics
 _MOST_TERMS = 64
 """Terms beyond so many are not recorded: names made up in every step must not fill the memory."""
 
+_LONGEST_NAME = 80
+"""Characters of a name that a message repeats."""
+
 _SCALE = 2.0**-64
-"""Of the sums, so that a sum of numbers near the largest is a number too. A power of two changes no
-digit."""
+"""Sums are kept in this unit, so that those of very large terms stay finite. A power of two: no
+digit is lost."""
 
 
 class TermRecord:
@@ -30,7 +33,11 @@ class TermRecord:
         self._terms: dict[str, list[float]] = {}  # name -> count, scaled sum, low, high
 
     def add(self, terms: Mapping[Any, Any]) -> None:
-        """Record the terms of one call; what is not one finite number does not count."""
+        """Record the terms of one call; what is not one finite number does not count.
+
+        Raises:
+            ValueError: a name is not one line of printable characters.
+        """
         known, isfinite = self._terms, math.isfinite
         for name, term in terms.items():
             value = term if type(term) is float else as_number(term)
@@ -45,17 +52,19 @@ class TermRecord:
                 elif value > record[3]:
                     record[3] = value
             elif isinstance(name, str) and len(known) < _MOST_TERMS:
+                if not name.isprintable():
+                    raise ValueError(f"{name[:_LONGEST_NAME]!r} is no name of a term")
                 known[name] = [1, value * _SCALE, value, value]
 
     def statistics(self) -> dict[str, TermStatistics]:
         """Return mean, low and high by name."""
         return {
-            name: TermStatistics(total / count / _SCALE, low, high)
+            name: TermStatistics(min(max(total / count / _SCALE, low), high), low, high)
             for name, (count, total, low, high) in self._terms.items()
         }
 
     def sums(self) -> dict[str, tuple[int, float]]:
-        """Return count and sum by name."""
+        """Return count and sum by name; the sum is infinite where it is beyond all floats."""
         return {
             name: (int(count), total / _SCALE) for name, (count, total, _, _) in self._terms.items()
         }
