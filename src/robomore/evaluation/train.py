@@ -9,6 +9,7 @@ import msgspec
 
 from robomore.envs.vector_env import VectorEnv
 from robomore.evaluation.request import Request, Training
+from robomore.rewards.continuation import check_continuation
 from robomore.rewards.load import load_reward
 from robomore.tasks import get_task
 from robomore.text import to_json
@@ -34,12 +35,15 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     """
     request = msgspec.json.decode(payload, type=Request)
     job = request.job
+    task, parameters = get_task(job.task), job.design.morphology.parameters
     settings = settings_from(job.trainer)
+    reward = load_reward(job.design.reward.source)
+    check_continuation(task, parameters, reward)
     environment = VectorEnv(
-        get_task(job.task),
-        job.design.morphology.parameters,
+        task,
+        parameters,
         settings.num_envs,
-        load_reward(job.design.reward.source),
+        reward,
         episode_seconds=settings.episode_seconds,
     )
     trained = make_trainer(job.trainer).train(
