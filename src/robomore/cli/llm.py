@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Group, Parameter
 
+from robomore.cli.output import write
 from robomore.errors import InputError, ModelUnavailable
 
 if TYPE_CHECKING:
@@ -201,7 +201,7 @@ def check(*, model: ModelOptions | None = None) -> None:
         asked.settings.sampling,
     )
     cost = "price unknown" if found.cost is None else f"${found.cost:.4f}"
-    sys.stdout.write(
+    write(
         f"model:   {found.model}\n"
         f"answers: {found.reply}\n"
         f"JSON:    {_STRUCTURED[found.structured]}\n"

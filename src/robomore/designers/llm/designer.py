@@ -188,7 +188,8 @@ class LLMDesigner:
                 found = self._dry_run(reward.source)
                 # A warning is sent back once. After that, the model's choice is accepted.
                 may_warn = not exchange.repair and self._settings.repairs
-                if error_messages(found) or (found and may_warn):
+                warned = any(finding.severity == "warning" for finding in found)
+                if error_messages(found) or (warned and may_warn):
                     raise InvalidReply(messages(found))
             return reward
 
