@@ -21,7 +21,7 @@ def shown(history: list[Evaluation], tokens: int = 10_000, parameters: bool = Tr
 def other_seed(one: Evaluation, factor: float) -> Evaluation:
     return replace(
         one,
-        key=f"{one.key} again",
+        key=f"{one.key}-again",
         job=replace(one.job, seed=1),
         efficiency=factor * one.efficiency,
     )
