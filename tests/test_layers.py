@@ -17,7 +17,7 @@ MODULES = sorted(SOURCE.rglob("*.py"))
 LAYERS = (
     {"errors", "text"},
     {"plain_files", "types"},
-    {"identity", "plan", "registry", "settings"},
+    {"identity", "plan", "registry", "settings", "statistics"},
     {"events", "options"},
     {"tasks"},
     {"envs", "llm", "sandbox"},

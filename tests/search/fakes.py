@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from robomore.designers.designer import Designer
@@ -39,6 +40,17 @@ def context(observe: Observer = ignore, map_fn: MapFn = sequential_map) -> Searc
         evaluations=4,
         observe=observe,
         map_fn=map_fn,
+    )
+
+
+def context_of(task: str, evaluations: int) -> SearchContext:
+    """Return the context of a search on a real task, with its own reference."""
+    chosen = get_task(task)
+    return replace(
+        context(),
+        task=chosen,
+        reference=Design(Morphology(chosen.reference), Reward(chosen.reward)),
+        evaluations=evaluations,
     )
 
 
@@ -114,7 +126,7 @@ def numbers(design: Design) -> tuple[float, float]:
 
 def evaluation(design: Design, score: float | None) -> Evaluation:
     job = Job("none", design, TrainerSettings(), steps=1, episodes=1, seed=0)
-    key = content_key(*numbers(design))
+    key = content_key(design.morphology.parameters, design.reward.source)
     if score is None:
         return Evaluation(key, job, Status.REWARD_FAILED, "it raised")
     return Evaluation(key, job, Status.OK, fitness=score / 2, volume=0.5, efficiency=score)

@@ -193,13 +193,11 @@ class VectorEnv:
             )
         before = self._position.copy()
         self._controls.write(applied)
-        model, frame_skip = self.model, self._frame_skip
-        for data in self.data:
-            mujoco.mj_step(model, data, frame_skip)
+        self._simulate()
         for compute, requested in zip(REQUESTS, self._requested, strict=True):
             if requested:
                 for data in self.data:
-                    compute(model, data)
+                    compute(self.model, data)
         self._gather()
         diverged = self._settle_diverged()
 
@@ -293,6 +291,11 @@ class VectorEnv:
                     if name.startswith(prefix)
                 }
             )
+
+    def _simulate(self) -> None:
+        model, frame_skip = self.model, self._frame_skip
+        for data in self.data:
+            mujoco.mj_step(model, data, frame_skip)
 
     def _gather(self) -> None:
         self._rows.read()

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from statistics import fmean
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs.vector_env import VectorEnv
+from robomore.envs.measured_env import MeasuredEnv
 from robomore.errors import TrainingDiverged, UnstableSimulation
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
@@ -88,10 +89,11 @@ def measure(
         TrainingDiverged: an action is not a finite number, which finite weights can give too.
         UnstableSimulation: the physics diverged over and over, or a measure of it is not finite.
     """
-    env = VectorEnv(task, parameters, min(episodes, _SIDE_BY_SIDE), reward=None, auto_reset=False)
+    env = MeasuredEnv(task, parameters, min(episodes, _SIDE_BY_SIDE))
     seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
     run = rollout(_Finite(policy.weights, policy.biases), env, seeds)
     worth = run.distance if task.fitness == "distance" else run.highest
+    motions = [env.motions[seed] for seed in seeds]
     step_seconds = float(env.environment.dt)
     measurement = Measurement(
         fitness=float(worth.mean()),
@@ -106,6 +108,10 @@ def measure(
             "fell_share": float(run.fell.mean()),
             "mean_effort": float(run.effort.mean()),
             "mean_jerk": float(run.jerk.mean()),
+            "energy_j": fmean(one.energy for one in motions),
+            "ground_contact_share": fmean(one.ground_contact for one in motions),
+            "stride_frequency_hz": fmean(one.stride_frequency for one in motions),
+            "joint_amplitude_rad": fmean(one.joint_amplitude for one in motions),
         },
     )
     numbers = (*measurement.episode_fitness, *measurement.behaviour.values())

@@ -30,7 +30,7 @@ from robomore.rewards.dry_run_findings import Observed, Term, findings, morpholo
 from robomore.rewards.load import load_reward
 from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.tasks import Task, get_task
-from robomore.text import sanitize
+from robomore.text import one_line
 from robomore.types import Limits, Status
 
 RANDOM_MORPHOLOGIES = 2
@@ -111,7 +111,7 @@ class DryRun:
             )
         if ended.status in _BLAMELESS:
             _log.warning("no dry run: %s", ended.diagnosis)
-            said = f"could not be tried out: {_one_line(ended.diagnosis)}"
+            said = f"could not be tried out: {one_line(ended.diagnosis)[:_LONGEST]}"
             return DryRunResult([Finding(_line(source), "note", said)])
         if ended.status is not Status.OK:
             return DryRunResult([_fault(ended.diagnosis, source)])
@@ -120,7 +120,7 @@ class DryRun:
         except msgspec.DecodeError:
             said = "the reward does something else than computing a number"
             return DryRunResult([_fault(said, source)])
-        clean = {_one_line(name): term for name, term in observed.terms.items()}
+        clean = {one_line(name)[:_LONGEST]: term for name, term in observed.terms.items()}
         observed = replace(observed, terms=clean)
         return DryRunResult(findings(observed, _line(source)), observed)
 
@@ -223,13 +223,9 @@ def _term(values: list[float], not_finite: int) -> Term:
 
 
 def _fault(diagnosis: str, source: str) -> Finding:
-    said = _one_line(diagnosis)
+    said = one_line(diagnosis)[:_LONGEST]
     line = re.search(r"\bline (\d+)\b", said)
     return Finding(int(line[1]) if line else _line(source), "error", f"when tried out: {said}")
-
-
-def _one_line(text: str) -> str:
-    return " ".join(sanitize(text).split())[:_LONGEST]
 
 
 def _line(source: str) -> int:

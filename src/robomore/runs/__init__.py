@@ -8,7 +8,7 @@ of them. `compare` puts several runs side by side. Nothing here needs a trainer;
 from robomore.runs.comparison import Comparison, compare
 from robomore.runs.loading import load_run
 from robomore.runs.run import Run
-from robomore.runs.statistics import Spread
 from robomore.runs.trained import TrainedDesign
+from robomore.statistics.spread import Spread
 
 __all__ = ["Comparison", "Run", "Spread", "TrainedDesign", "compare", "load_run"]

@@ -9,8 +9,8 @@ from typing import Any
 
 from robomore.runs.loading import load_run
 from robomore.runs.run import Run
-from robomore.runs.statistics import Spread
 from robomore.runs.table import Row, dataframe
+from robomore.statistics.spread import Spread
 
 
 @dataclass(frozen=True, slots=True)

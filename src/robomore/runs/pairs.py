@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from robomore.runs.statistics import FEWEST
 from robomore.runs.words import number, unit_of
+from robomore.statistics.spread import FEWEST
 
 if TYPE_CHECKING:
     from robomore.runs.run import Run

@@ -16,11 +16,11 @@ from robomore.plan import Plan
 from robomore.runs.empty import EmptySlot
 from robomore.runs.lineage import Record, ancestry, best_of, same_training
 from robomore.runs.pairs import Pairs, crossed_pairs
-from robomore.runs.statistics import Spread, ratio
 from robomore.runs.table import Row, dataframe, rows
 from robomore.runs.trained import TrainedDesign, trained_design
 from robomore.runs.warnings import warnings_about
 from robomore.settings import Objective
+from robomore.statistics.spread import Spread, ratio
 from robomore.store import Ledger, Manifest, RunFolder
 from robomore.store.schema import Proposal
 from robomore.tasks import Task

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
-from robomore.runs.statistics import Spread, spread
+from robomore.statistics.spread import Spread, spread
 from robomore.tasks import Task
 from robomore.types import Design, Evaluation
 

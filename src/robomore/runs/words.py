@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from robomore.runs.statistics import Spread
+from robomore.statistics.spread import Spread
 
 EFFICIENCY_UNIT = "m/m³"
 
@@ -74,11 +74,23 @@ LABELS = {
     "fell_share": "episodes that ended in a fall",
     "mean_effort": "mean size of an action (at most 1)",
     "mean_jerk": "mean change of an action per step (at most 2)",
+    "energy_j": "mechanical energy of an episode (J)",
+    "ground_contact_share": "time with contact to the ground",
+    "stride_frequency_hz": "stride frequency (Hz)",
+    "joint_amplitude_rad": "mean amplitude of the driven hinges (rad)",
 }
 """What numbers are called before people, by the names that they have in evaluations."""
 
-_SHARES = frozenset({"fell_share"})
-_UNITS = {"_m_s": "m/s", "_m": "m", "_seconds": "s", "_kg": "kg"}
+_SHARES = frozenset({"fell_share", "ground_contact_share"})
+_UNITS = {
+    "_m_s": "m/s",
+    "_m": "m",
+    "_seconds": "s",
+    "_kg": "kg",
+    "_j": "J",
+    "_hz": "Hz",
+    "_rad": "rad",
+}
 
 
 def label(name: str) -> str:

@@ -28,6 +28,13 @@ METHODS: Registry[type[SearchMethod]] = Registry(
         "robomore": "robomore.search.robomore:RoboMoRe",
         "random": "robomore.search.random:RandomSearch",
         "reference": "robomore.search.reference:ReferenceOnly",
+        "slim-reference": "robomore.search.slim_reference:SlimReference",
+        "eureka": "robomore.search.eureka:Eureka",
+        "eureka-morphology": "robomore.search.eureka_morphology:EurekaMorphology",
+        "bayesian": "robomore.search.bayesian:Bayesian",
+        "cmaes": "robomore.search.cmaes:CMAES",
+        "genetic": "robomore.search.genetic:Genetic",
+        "map-elites": "robomore.search.map_elites:MapElites",
     },
     _fault,
 )

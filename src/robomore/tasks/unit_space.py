@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,16 @@ class UnitSpace:
     def volumes(self, values: Array) -> Array:
         """Return the volumes (n,) in m³ of valid parameter values (n, size)."""
         return np.array([self.task.volume(row) for row in values.tolist()])
+
+    @cached_property
+    def radii(self) -> NDArray[np.bool_]:
+        """Which parameters (size,) set a solid's radius, found by a small change of each one."""
+        centre = np.full(self.size, 0.5)
+        changed = self.values(np.vstack((centre, centre + 0.01 * np.eye(self.size))))
+        # Unlike `Task.named`, the shapes take values that break the task's rules.
+        named = (dict(zip(self.task.names, row, strict=True)) for row in changed.tolist())
+        base, *others = ([shape.radius for shape in self.task.shapes(one)] for one in named)
+        return np.array([base != other for other in others])
 
     def _accepts(self, values: Sequence[float]) -> bool:
         try:

@@ -83,8 +83,8 @@ class MorphologyOptimizer:
         changed = random.random((count, size)) < random.uniform(1 / size, 1, (count, 1))
         step = random.normal(0, 0.5, (count, size)) * random.uniform(0.1, 1, (count, 1))
         alike = random.random((count, 1)) < 0.3
-        step += np.where(alike & self._prior.thickness, random.normal(0, 0.5, (count, 1)), 0)
-        changed |= alike & self._prior.thickness
+        step += np.where(alike & self._space.radii, random.normal(0, 0.5, (count, 1)), 0)
+        changed |= alike & self._space.radii
         step *= radius
         if len(others) > 3:
             third = count // 3

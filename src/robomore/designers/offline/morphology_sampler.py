@@ -78,14 +78,13 @@ class MorphologySampler:
 
     def _scattered(self, random: np.random.Generator) -> Array:
         """Return up to `POOL` valid points within the bounds, whose radii are correlated."""
-        thickness = self._prior.thickness
         found: list[Array] = []
         for _ in range(ROUNDS):
             points = random.random((POOL, self._space.size))
             # Independent radii would give nearly all morphologies a medium volume.
             level = random.uniform(0, 0.7, (POOL, 1))
             spread = random.normal(0, 0.12, points.shape)
-            points = np.where(thickness, np.clip(level + spread, 0, 1), points)
+            points = np.where(self._space.radii, np.clip(level + spread, 0, 1), points)
             found.append(points[self._space.valid(self._space.values(points))])
             if sum(map(len, found)) >= POOL:
                 break

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,15 +78,6 @@ class PlausibilityPrior:
             penalty += _penalty_of_pose(pose)
         return penalty
 
-    @cached_property
-    def thickness(self) -> NDArray[np.bool_]:
-        """Which parameters (size,) set a solid's radius, found by a small change of each one."""
-        centre = np.full(self._space.size, 0.5)
-        changed = centre + 0.01 * np.eye(self._space.size)
-        robots = map(self._shapes, self._space.values(np.vstack((centre, changed))))
-        base, *others = ([shape.radius for shape in shapes] for shapes in robots)
-        return np.array([base != other for other in others])
-
     def _rest_pose(self, values: Array) -> RestPose | None:
         if self._kinematics is None:
             return None
@@ -107,7 +97,7 @@ class PlausibilityPrior:
         return np.array(lengths), np.array(radii), np.array(volumes)
 
     def _penalty_of_solids(self, values: Array, lengths: Array, radii: Array) -> Array:
-        low = THIN_FRACTION - self._space.units(values)[:, self.thickness]
+        low = THIN_FRACTION - self._space.units(values)[:, self._space.radii]
         thin = np.maximum(low, 0) / THIN_FRACTION
         penalty: Array = 2 * thin.sum(axis=1) / max(thin.shape[1], 1)
         penalty += 2 * np.maximum(np.log(radii).std(axis=1) - MAX_RADIUS_SPREAD, 0)

@@ -46,7 +46,7 @@ class RewardSampler:
         random = np.random.default_rng(derive_seed(self._seed, "reward", slot))
         known = {reward.source for reward in earlier}
         others = [self.composition(reward.source) for reward in earlier]
-        first = not others and slot.attempt == 0
+        first = not others and slot.attempt == 0 and not any(slot.index)
         draws = [self._plain(random)] if first else [self._drawn(random) for _ in range(DRAWS)]
         fresh = [draw for draw in draws if draw.source(self.robot) not in known]
         if not fresh:

@@ -8,6 +8,7 @@ from robomore.designers.designer import Designer
 from robomore.plan import Plan
 from robomore.search.measure import Evaluate, top
 from robomore.search.method import SearchContext
+from robomore.search.robomore.ablation import ablated
 from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.fine import fine
 from robomore.search.robomore.planning import planned
@@ -22,7 +23,7 @@ class RoboMoRe:
         settings: N_M, N_R, k, bounds, and how the grid is screened.
 
     Raises:
-        InputError: the rungs of the screening make no sense.
+        InputError: the rungs of the screening or the ablations make no sense.
     """
 
     Settings = RoboMoReSettings
@@ -36,7 +37,7 @@ class RoboMoRe:
 
     def plan(self, context: SearchContext) -> Plan:
         """Return the coarse and the fine stage, each at its largest."""
-        return planned(self.settings, context.candidate)
+        return planned(self.settings.reduced, context.candidate)
 
     def run(
         self, designer: Designer, evaluate: Evaluate, context: SearchContext
@@ -46,7 +47,8 @@ class RoboMoRe:
         Raises:
             NothingTrained: no pair of the grid could be trained, or none was proposed.
         """
-        settings, objective = self.settings, context.objective
+        settings, objective = self.settings.reduced, context.objective
+        designer = ablated(designer, settings, context)
 
         # Coarse: a grid of morphologies x rewards, made diverse by reflection.
         grid = coarse(designer, evaluate, settings, context)

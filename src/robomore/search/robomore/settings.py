@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Annotated, Literal
 
@@ -12,6 +12,9 @@ from robomore.errors import InputError
 
 Count = Annotated[int, msgspec.Meta(ge=1)]
 Fraction = Annotated[float, msgspec.Meta(gt=0, le=1)]
+
+
+Part = Literal["diversity", "coarse", "fine", "morphology", "reward"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,17 +60,42 @@ class RoboMoReSettings:
     prefiltered_rewards: Annotated[int, msgspec.Meta(ge=0)] = 1
     """With halving: proposed rewards tried on each of those, the first ones proposed."""
 
+    without: tuple[Part, ...] = ()
+    """Ablations: parts that are left out. Without `diversity`, proposals do not see earlier ones;
+    without `coarse`, the grid is one pair; without `fine`, nothing is refined; without
+    `morphology` or `reward`, that half stays the reference's. Screening is left out by its own
+    option."""
+
+    @property
+    def reduced(self) -> RoboMoReSettings:
+        """These settings with the sizes that are left of them without the ablated parts."""
+        one_row = {"coarse", "morphology"}.intersection(self.without)
+        one_column = {"coarse", "reward"}.intersection(self.without)
+        return replace(
+            self,
+            morphologies=1 if one_row else self.morphologies,
+            rewards=1 if one_column else self.rewards,
+            reference_reward="in" if "reward" in self.without else self.reference_reward,
+            max_cycles=0 if "fine" in self.without else self.max_cycles,
+            screening="none" if one_row and one_column else self.screening,
+        )
+
     @property
     def proposed_rewards(self) -> int:
         """Columns of the grid that the designer fills."""
         return self.rewards - (self.reference_reward == "in")
 
     def check(self) -> None:
-        """Refuse rungs that make no sense.
+        """Refuse rungs and ablations that make no sense.
 
         Raises:
-            InputError: naming the rung, the range and the remedy.
+            InputError: naming the value, the range and the remedy.
         """
+        if {"morphology", "reward"} <= {*self.without}:
+            raise InputError(
+                f"without = {list(self.without)} leaves nothing to search; keep the morphology or "
+                "the reward, or choose --method reference"
+            )
         for first, second in pairwise(self.rungs):
             if not (
                 first.budget_fraction < second.budget_fraction

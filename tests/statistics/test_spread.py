@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from robomore.runs.statistics import FEWEST, bootstrap_interval, ratio, spread
 from robomore.runs.words import with_interval
+from robomore.statistics.spread import FEWEST, bootstrap_interval, ratio, spread
 
 
 @pytest.mark.parametrize("count", range(1, FEWEST))

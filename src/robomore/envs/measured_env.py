@@ -1,0 +1,132 @@
+"""A `VectorEnv` that also measures how a robot moves: energy, ground contact, stride.
+
+Only the trusted process measures with it. Training needs none of this, and does without its cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.envs.gather import Gather
+from robomore.envs.robots.base import Array
+from robomore.envs.vector_env import VectorEnv
+from robomore.tasks.task import Task
+
+_FEWEST_STEPS = 16
+"""Control steps of an episode below which it has no stride worth measuring."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How the robot moved in one episode.
+
+    Attributes:
+        energy: mechanical energy of the motors in J: the sum over all of them of the absolute power
+            over time. So braking costs as much as driving, and nothing is won back.
+        ground_contact: fraction of the control steps in which some part touches the ground.
+        stride_frequency: the strongest frequency of the driven hinges, in Hz; 0 if they rest.
+        joint_amplitude: amplitude of a driven hinge's angle, the mean over all of them, in rad.
+    """
+
+    energy: float
+    ground_contact: float
+    stride_frequency: float
+    joint_amplitude: float
+
+
+class MeasuredEnv(VectorEnv):
+    """Simulations without a reward whose episodes are started one by one, by their seeds.
+
+    Attributes:
+        motions: of each episode that ended, by its seed.
+    """
+
+    def __init__(
+        self, task: Task, parameters: Sequence[float] | Mapping[str, float], num_envs: int
+    ) -> None:
+        """Build the simulations; see `VectorEnv`."""
+        super().__init__(task, parameters, num_envs, reward=None, auto_reset=False)
+        self.motions: dict[int, Motion] = {}
+        model = self.model
+        self._power = Gather([[one.actuator_force, one.actuator_velocity] for one in self.data])
+        driven = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT, 0]
+        hinges = driven[model.jnt_type[driven] == mujoco.mjtJoint.mjJNT_HINGE]
+        self._angles = model.jnt_qposadr[hinges]
+        self._on_ground = model.geom_bodyid == 0
+        self._seeds = [0] * num_envs
+        self._work: Array = np.zeros(num_envs)
+        self._energy = np.zeros(num_envs)
+        self._touched: list[int] = [0] * num_envs
+        self._history: list[list[Array]] = [[] for _ in range(num_envs)]
+
+    def reset_one(self, index: int, seed: int) -> Array:
+        """Start an episode; see `VectorEnv.reset_one`."""
+        self._seeds[index] = seed
+        return super().reset_one(index, seed)
+
+    def _simulate(self) -> None:
+        motors = self.action_size
+        self._work[:] = 0.0
+        # MuJoCo steps as often as in one call; between the steps, the power is read.
+        for _ in range(self._frame_skip):
+            for data in self.data:
+                mujoco.mj_step(self.model, data)
+            self._power.read()
+            force, velocity = self._power.values[:, :motors], self._power.values[:, motors:]
+            self._work += np.abs(force * velocity).sum(axis=1)
+        self._work *= self.model.opt.timestep
+
+    def _settle_diverged(self) -> bool:
+        diverged = super()._settle_diverged()
+        # A step whose physics diverged moves nothing, so it costs nothing either.
+        self._energy += np.where(self.diverged, 0.0, self._work)
+        for index, data in enumerate(self.data):
+            self._touched[index] += bool(self._on_ground[data.contact.geom].any())
+            self._history[index].append(self.qpos[index, self._angles])
+        return diverged
+
+    def _begin(self, index: int) -> None:
+        super()._begin(index)
+        self._energy[index] = 0.0
+        self._touched[index] = 0
+        self._history[index] = []
+
+    def _end(self, ended: NDArray[np.intp], final: Array) -> None:
+        for index in ended.tolist():
+            angles = np.array(self._history[index])
+            frequency, amplitude = stride(angles, self._dt)
+            self.motions[self._seeds[index]] = Motion(
+                energy=float(self._energy[index]),
+                ground_contact=self._touched[index] / len(angles),
+                stride_frequency=frequency,
+                joint_amplitude=amplitude,
+            )
+        super()._end(ended, final)
+
+
+def stride(angles: Array, step_seconds: float) -> tuple[float, float]:
+    """Return the strongest frequency in Hz and the mean amplitude in rad of hinge angles.
+
+    Args:
+        angles: (control steps, hinges) in rad.
+        step_seconds: time of a control step.
+
+    Returns:
+        Zeros for an episode that is too short, or in which nothing turns.
+    """
+    steps = len(angles)
+    if steps < _FEWEST_STEPS or not angles.size:
+        return 0.0, 0.0
+    amplitude = float(np.sqrt(2) * angles.std(axis=0).mean())
+    # Of the speeds: a hinge that slowly drifts away has a large amplitude, but makes no strides.
+    speeds = np.diff(angles, axis=0)
+    spectrum = np.abs(np.fft.rfft(speeds * np.hanning(steps - 1)[:, None], axis=0)) ** 2
+    power = spectrum.sum(axis=1)[1:]
+    if not power.max() > 0:
+        return 0.0, amplitude
+    return float((1 + np.argmax(power)) / ((steps - 1) * step_seconds)), amplitude

@@ -1,0 +1,113 @@
+"""What methods share that search morphologies as points of the unit cube of a task's bounds.
+
+They all train under the reference reward, start from the reference morphology, and propose within
+the task's rules: a point that breaks a rule is drawn anew, and in the end pulled towards a valid
+one, so that no training is spent on what the task refuses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.errors import InvalidMorphology
+from robomore.search.measure import Evaluate
+from robomore.search.method import SearchContext
+from robomore.tasks.unit_space import UnitSpace
+from robomore.types import Design, Evaluation, Morphology, Place, Trial
+
+Array = NDArray[np.float64]
+
+DRAWS = 100
+"""Draws before a point is pulled towards a valid one."""
+
+_HALVINGS = 20
+"""Steps of the bisection between a valid and an invalid point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A morphology to train.
+
+    Attributes:
+        parameters: valid values in the task's order.
+        idea: where it comes from, in a few words.
+        parent: key of the evaluation that it was made from; empty for a first idea.
+    """
+
+    parameters: tuple[float, ...]
+    idea: str
+    parent: str = ""
+
+
+def valid_point(
+    space: UnitSpace, draw: Callable[[], Array], anchor: Sequence[float]
+) -> tuple[float, ...]:
+    """Return valid parameter values from `draw`.
+
+    Args:
+        space: the task's unit cube.
+        draw: returns a new point (size,) each time.
+        anchor: valid values that the last draw is pulled towards if no draw is valid.
+    """
+    for _ in range(DRAWS):
+        point = draw()
+        if (found := accepted(space, point)) is not None:
+            return found
+    start = space.units([anchor])[0]
+    low, high, best = 0.0, 1.0, tuple(anchor)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        found = accepted(space, start + middle * (point - start))
+        if found is None:
+            high = middle
+        else:
+            low, best = middle, found
+    return best
+
+
+def accepted(space: UnitSpace, point: Array) -> tuple[float, ...] | None:
+    """Return the values at `point` (size,), or `None` if the task refuses them."""
+    try:
+        return space.task.check(space.values(point[None])[0].tolist())
+    except InvalidMorphology:
+        return None
+
+
+def reference_candidate(context: SearchContext) -> Candidate:
+    """Return the reference morphology, which these methods start from."""
+    return Candidate(context.task.reference, "the reference design")
+
+
+def trained(
+    evaluate: Evaluate,
+    candidates: Sequence[Candidate],
+    places: Sequence[tuple[int, ...]],
+    stage: str,
+    context: SearchContext,
+) -> list[Evaluation]:
+    """Return one evaluation for each candidate under the reference reward, in order.
+
+    Args:
+        evaluate: measures a batch.
+        candidates: what is trained.
+        places: index of each in the stage.
+        stage: name of the stage in the plan.
+        context: of the search.
+    """
+    trials = [
+        Trial(
+            Design(Morphology(one.parameters, one.idea), context.reference.reward),
+            Place(
+                stage=stage,
+                index=place,
+                changed="morphology" if one.parent else "",
+                parent=one.parent,
+            ),
+        )
+        for one, place in zip(candidates, places, strict=True)
+    ]
+    return evaluate(trials)

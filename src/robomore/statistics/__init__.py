@@ -1,0 +1,36 @@
+"""Statistics as pure functions: numbers in, numbers out, and always the same for the same numbers.
+
+`spread` is for one design over its training seeds, `aggregate` for methods over tasks and runs
+(rliable's formulas), `diversity` for proposals, `pareto` for designs with several objectives.
+"""
+
+from robomore.statistics.aggregate import (
+    interquartile_mean,
+    mean_of_all,
+    optimality_gap,
+    performance_profile,
+    probability_of_improvement,
+    stratified_interval,
+)
+from robomore.statistics.diversity import coefficient_of_variation, self_bleu
+from robomore.statistics.pareto import hypervolume, nondominated
+from robomore.statistics.rank import spearman
+from robomore.statistics.spread import Spread, bootstrap_interval, ratio, spread
+
+__all__ = [
+    "Spread",
+    "bootstrap_interval",
+    "coefficient_of_variation",
+    "hypervolume",
+    "interquartile_mean",
+    "mean_of_all",
+    "nondominated",
+    "optimality_gap",
+    "performance_profile",
+    "probability_of_improvement",
+    "ratio",
+    "self_bleu",
+    "spearman",
+    "spread",
+    "stratified_interval",
+]

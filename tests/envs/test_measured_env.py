@@ -1,0 +1,83 @@
+"""Energy, ground contact and stride of robots whose motion is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from robomore.envs.measured_env import MeasuredEnv, stride
+from robomore.envs.vector_env import VectorEnv
+from robomore.tasks import get_task
+
+
+def driven(env: VectorEnv, steps: int) -> np.ndarray:
+    time = np.arange(steps) * float(env.environment.dt)
+    swing = np.sin(2 * np.pi * 1.5 * time)
+    for value in swing:
+        env.step(np.full((env.num_envs, env.action_size), 0.3 * value))
+    return env.physics_state.copy()
+
+
+@pytest.mark.parametrize("task", ["half-cheetah", "hopper", "ant"])
+def test_measuring_changes_nothing(task: str) -> None:
+    chosen = get_task(task)
+    plain = VectorEnv(chosen, chosen.reference, 2, auto_reset=False)
+    measured = MeasuredEnv(chosen, chosen.reference, 2)
+    for env in (plain, measured):
+        for index in range(2):
+            env.reset_one(index, 7 + index)
+    assert (driven(plain, 20) == driven(measured, 20)).all()
+
+
+def test_an_episode_of_a_swimmer_costs_energy_and_touches_nothing() -> None:
+    task = replace(get_task("swimmer"), episode_steps=200)
+    env = MeasuredEnv(task, task.reference, 1)
+    env.reset_one(0, 3)
+    driven(env, task.episode_steps)
+    motion = env.motions[3]
+    assert motion.ground_contact == 0
+    assert motion.stride_frequency == pytest.approx(1.5, abs=0.05)
+    # What the fluid took. With resting motors nothing is spent.
+    assert motion.energy > 0
+    env.reset_one(0, 4)
+    for _ in range(task.episode_steps):
+        env.step(np.zeros((1, env.action_size)))
+    assert env.motions[4].energy == 0
+
+
+def test_the_work_of_a_motor_is_the_energy_of_what_it_turns() -> None:
+    """From rest, without friction and gravity, all work of one push becomes kinetic energy."""
+    task = get_task("swimmer")
+    env = MeasuredEnv(task, task.reference, 1)
+    env.reset_one(0, 0)
+    env.model.opt.density = env.model.opt.viscosity = 0
+    env.model.dof_armature[:] = env.model.dof_damping[:] = 0
+    data = env.data[0]
+    data.qvel[:] = 0
+    for _ in range(5):
+        env.step(np.array([[0.2, 0.0]]))
+    env.model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+    mujoco.mj_forward(env.model, data)
+    assert env._energy[0] == pytest.approx(data.energy[1], rel=0.05)
+
+
+def test_a_robot_that_stands_touches_the_ground() -> None:
+    task = replace(get_task("half-cheetah"), episode_steps=200)
+    env = MeasuredEnv(task, task.reference, 1)
+    env.reset_one(0, 0)
+    for _ in range(task.episode_steps):
+        env.step(np.zeros((1, env.action_size)))
+    assert env.motions[0].ground_contact > 0.9
+
+
+def test_stride_finds_frequency_and_amplitude() -> None:
+    time = np.arange(1000) * 0.05
+    angles = np.stack((0.4 * np.sin(2 * np.pi * 2 * time), np.full_like(time, 0.7)), axis=1)
+    frequency, amplitude = stride(angles, 0.05)
+    assert frequency == pytest.approx(2, abs=0.03)
+    assert amplitude == pytest.approx(0.2, rel=0.01)
+    assert stride(angles[:5], 0.05) == (0.0, 0.0)
+    assert stride(np.full((100, 2), 0.3), 0.05) == pytest.approx((0.0, 0.0))

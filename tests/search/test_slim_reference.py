@@ -1,0 +1,55 @@
+"""The reference with thinner limbs: one scale for all radii, within bounds and rules."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from robomore.errors import InputError
+from robomore.search.slim_reference import SlimReference, SlimReferenceSettings, slim
+from robomore.tasks import TASKS, get_task
+from robomore.testing.methods import check_method
+
+PLAIN = SlimReferenceSettings()
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_only_the_radii_are_scaled_and_all_alike(task: str) -> None:
+    chosen = TASKS[task]
+    found = slim(chosen, PLAIN)
+    assert len(found) == PLAIN.values
+    for morphology in found:
+        named = chosen.named(morphology.parameters)
+        scales = [
+            named[p.name] / p.reference for p in chosen.parameters if p.name.endswith("radius")
+        ]
+        assert max(scales) < 1 and max(scales) - min(scales) < 1e-3
+        assert all(
+            named[p.name] == p.reference for p in chosen.parameters if not p.name.endswith("radius")
+        )
+    volumes = [chosen.volume(morphology.parameters) for morphology in found]
+    assert volumes == sorted(volumes) and volumes[-1] < chosen.volume(chosen.reference)
+
+
+def test_the_thinnest_is_at_a_bound_or_a_rule() -> None:
+    cheetah = slim(get_task("half-cheetah"), PLAIN)[0]
+    assert get_task("half-cheetah").named(cheetah.parameters)["head_radius"] < 0.0051
+    # Swimmer's fluid allows no thinner link of 1 m than 0.017 m, whatever the bound says.
+    swimmer = slim(get_task("swimmer"), PLAIN)[0]
+    assert get_task("swimmer").named(swimmer.parameters)["front_radius"] == pytest.approx(
+        0.017, rel=0.02
+    )
+
+
+def test_it_keeps_the_contract() -> None:
+    check_method(lambda: SlimReference(PLAIN), get_task("ant"))
+
+
+def test_a_scale_beyond_the_bounds_and_a_robot_without_radii_are_refused() -> None:
+    with pytest.raises(InputError, match=r"scaled by 0\.01: .* allow 0\.10"):
+        slim(get_task("half-cheetah"), SlimReferenceSettings(thinnest=0.01))
+    swimmer = get_task("swimmer")
+    fixed = replace(swimmer, shapes=lambda values: swimmer.shapes(swimmer.named(swimmer.reference)))
+    with pytest.raises(InputError, match="no parameter of swimmer sets a radius"):
+        slim(fixed, PLAIN)
