@@ -157,7 +157,8 @@ def fall(evaluation: Evaluation) -> str:
         "fell_too_low_share": "too low",
         "fell_too_high_share": "too high",
         "fell_tilted_share": "tilted",
-        "fell_diverged_share": "diverged",
+        "fell_diverged_share": "simulation diverged",
+        "fell_unhealthy_share": "not healthy",
     }
     why = [word for name, word in causes.items() if behaviour.get(name)]
     share = f"{100 * behaviour['fell_share']:.0f} % of episodes ended early"
