@@ -18,6 +18,7 @@ from robomore.events import Observer, RunBegan, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, thread_map
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
+from robomore.experiment.training_facts import training_facts
 from robomore.plan import Plan
 from robomore.report import write_report
 from robomore.runs import Run, load_run
@@ -91,7 +92,8 @@ def run(
     chosen = _no_designer(method)
     if method.needs_designer:
         asked = designer or "offline"
-        chosen = choose_designer(asked, task, seed, settings.objective, mode, observe)
+        facts = training_facts(settings, task)
+        chosen = choose_designer(asked, task, seed, settings.objective, mode, observe, facts)
     context = SearchContext(
         task=task,
         reference=Design(
