@@ -13,6 +13,7 @@ from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from robomore.envs.compile import compile_model
+from robomore.envs.opengl import ensure_opengl
 from robomore.tasks.task import Task
 
 Array = NDArray[np.float64]
@@ -72,6 +73,16 @@ class RobotEnvironment(MujocoEnv):
         observation: Array
         observation, info = super().reset(seed=seed, options=options)
         return observation, info
+
+    def render(self) -> Any:
+        """Return a picture, or show it, as Gymnasium says of `render_mode`.
+
+        Raises:
+            InputError: there is no OpenGL that works here.
+        """
+        if self.render_mode not in (None, "human"):
+            ensure_opengl()
+        return super().render()  # type: ignore[no-untyped-call]  # Gymnasium's own
 
     def position_view(self, data: mujoco.MjData) -> Array | None:
         """Return a live view (1,) of the x position whose change is the x-velocity, in m.
