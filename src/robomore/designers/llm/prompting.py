@@ -234,7 +234,10 @@ def _improve(
     # What was stopped early stands in the table, which says enough about it.
     detailed = [entry for entry in entries if entry.score is None or entry.steps == full]
     left = HistorySettings(max(0, settings.tokens - estimate_tokens(table)), settings.rule)
-    selected = select(detailed, left, "morphologies" if part == "morphology" else "rewards")
+    plural = "morphologies" if part == "morphology" else "rewards"
+    if len(detailed) < len(entries):
+        plural = f"fully trained or failed {plural}"
+    selected = select(detailed, left, plural)
     selection = selected.selection
     if any(e.ok and e.job.steps < full for e in measured):
         selection += "\n\n" + render("fewer-steps", steps=f"{full:,}")
