@@ -27,7 +27,7 @@ from robomore.search.measure import survivor_count
 from robomore.search.robomore.settings import RoboMoReSettings
 from robomore.settings import PRESETS, from_options, preset
 from robomore.store import RunFolder
-from robomore.store.ledger import TABLES
+from robomore.store.schema import TABLES
 from robomore.tasks import TASKS, get_task
 from robomore.training.settings import TRAINERS
 from robomore.types import Status

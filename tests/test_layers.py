@@ -15,8 +15,8 @@ SOURCE = Path(__file__).parents[1] / "src" / "robomore"
 MODULES = sorted(SOURCE.rglob("*.py"))
 
 LAYERS = (
-    {"errors"},
-    {"types"},
+    {"errors", "text"},
+    {"plain_files", "types"},
     {"identity", "plan", "registry", "settings", "statistics"},
     {"events", "options"},
     {"tasks"},

@@ -5,8 +5,7 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
-import msgspec
-
+from robomore.text import to_json
 from robomore.types import Job
 
 
@@ -16,7 +15,7 @@ def content_key(*parts: Any) -> str:
     Args:
         parts: anything msgspec encodes (numbers, strings, lists, dicts, dataclasses).
     """
-    canonical = msgspec.json.encode(parts, order="deterministic")
+    canonical = to_json(parts, sort_keys=True)
     return hashlib.sha256(canonical).hexdigest()[:24]
 
 

@@ -85,6 +85,9 @@ class Plan:
             # One finalist needs no number.
             said = said if stage.shape and stage.shape[0] > 1 else []
             said = [place.changed, *said, f"training seed {place.repeat}"]
-        elif place.changed:
-            said.append(f"new {place.changed}")
+        else:
+            if place.changed:
+                said.append(f"new {place.changed}")
+            if place.repeat:
+                said.append(f"training seed {place.repeat + 1}")
         return f"{place.stage}: {', '.join(said)}" if said else place.stage

@@ -1,15 +1,22 @@
 """The five nouns of RoboMoRe as frozen values: Morphology, Reward, Design, Job and Evaluation.
 
 Everything that crosses a process boundary or lands in the ledger is one of these, encoded as JSON.
-This module imports nothing of RoboMoRe but `errors`, and nothing heavy.
+This module imports nothing of RoboMoRe but `text`, and nothing heavy.
 """
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
+
+from robomore.text import encodable
+
+_NAME = re.compile(r"\w[\w.-]{0,99}", re.ASCII)
+"""Keys of evaluations, which are names of folders too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +26,9 @@ class Morphology:
     parameters: tuple[float, ...]
     idea: str = ""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "idea", encodable(self.idea))
+
 
 @dataclass(frozen=True, slots=True)
 class Reward:
@@ -26,6 +36,10 @@ class Reward:
 
     source: str
     idea: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "source", encodable(self.source))
+        object.__setattr__(self, "idea", encodable(self.idea))
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,6 +214,22 @@ class Evaluation:
     artifact: str = ""
     notes: tuple[str, ...] = ()
     curve: Curve | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what no evaluation has, so that it can always be kept and read again.
+
+        Raises:
+            ValueError: a number that is not finite, or a name that is no plain component of a path.
+        """
+        numbers = (
+            *(x for x in (self.fitness, self.volume, self.efficiency) if x is not None),
+            *(*self.episode_fitness, *self.body.values(), *self.behaviour.values(), self.seconds),
+            *(x for term in self.terms.values() for x in (term.mean, term.low, term.high)),
+        )
+        if not all(map(math.isfinite, numbers)):
+            raise ValueError("one of its numbers is not finite")
+        if not _NAME.fullmatch(self.key) or not _NAME.fullmatch(self.artifact or self.key):
+            raise ValueError(f"key {self.key!r} or artifact {self.artifact!r} is no plain name")
 
     @property
     def design(self) -> Design:

@@ -1,33 +1,106 @@
-"""What a reward keeps in `self` survives a checkpoint."""
+"""What is written down of a reward's state: text without code, and words for what cannot be kept.
+
+That every place where state can lie survives is tested with `rewards/test_continuation.py`.
+"""
 
 from __future__ import annotations
 
+import json
 from collections import deque
+from typing import Any
 
 import numpy as np
 import pytest
 
-from robomore.envs import reward_state
+from robomore.envs.reward_objects import FixedObjects
+from robomore.envs.reward_program import RewardProgram
+from robomore.envs.reward_restore import load
+from robomore.envs.reward_state import UnsavedStateError, dump
 
 
-def test_state_survives_writing_down() -> None:
+def written(**kept: Any) -> bytes:
+    return dump(None, FixedObjects(None), kept, {})
+
+
+def read(text: bytes) -> dict[str, Any]:
+    return load(text, None, FixedObjects(None), {})
+
+
+def test_values_come_back_exactly() -> None:
     kept = {
         "number": 0.1 + 0.2,
         "infinite": float("inf"),
         "whole": 7,
+        "huge": -(7**900),
         "no": None,
         "yes": True,
-        "text": "é",
+        "text": "é\ud800\n",
+        "bytes": b"\0\xff",
+        "complex": 1 - 2j,
         "array": np.arange(6.0).reshape(2, 3)[:, ::-1],
+        "columns": np.asfortranarray(np.arange(6.0).reshape(2, 3)),
+        "nothing": np.zeros((0, 3)),
         "scalar": np.float32(0.1),
-        "list": [1, (2.5, {3})],
+        "type": np.dtype(np.int8),
+        "list": [1, (2.5, [3])],
         "dict": {1: "a", ("b", 2): [np.array([True])]},
         "queue": deque([1.0, 2.0], maxlen=3),
+        "slice": slice(1, None),
+        "function": np.linalg.norm,
     }
-    loaded = reward_state.load(reward_state.dump(kept))
-    assert repr(loaded) == repr(kept)
-    assert loaded["array"].flags.writeable
-    with pytest.raises(TypeError, match=r"self\.thing"):
-        reward_state.dump({"thing": object()})
-    with pytest.raises(TypeError, match=r"self\.objects"):
-        reward_state.dump({"objects": np.array([None])})
+    loaded = read(written(**kept))
+    assert repr(loaded) == repr(dict(sorted(kept.items())))
+    assert loaded["array"].flags.writeable and loaded["columns"].flags.f_contiguous
+
+
+def test_what_is_shared_is_shared_again() -> None:
+    inner = [0.0]
+    memory = np.zeros(4)
+    loaded = read(written(a=inner, b={"x": inner}, m=memory, v=memory[1:]))
+    assert loaded["a"] is loaded["b"]["x"]
+    loaded["v"][0] = 3.0
+    assert loaded["m"][1] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (ValueError(), "an object of type ValueError"),
+        ({1}, "a set, whose order"),
+        (np.array([None]), "an array of object"),
+        (np.zeros(1, [("a", int)]), "an array of"),
+        ((i for i in "ab"), "a generator"),
+        (iter([1]), "an iterator"),
+        (lambda: 0, "a function that is not of this reward"),
+        (np.random.default_rng, "no error"),
+    ],
+)
+def test_what_cannot_be_kept_is_named(value: Any, said: str) -> None:
+    if said == "no error":
+        assert read(written(thing=value))["thing"] is value
+        return
+    with pytest.raises(UnsavedStateError, match=r"self\.thing") as failed:
+        written(thing=[value])
+    assert said in str(failed.value)
+
+
+def test_nothing_is_nested_too_deeply() -> None:
+    chain: list[Any] = []
+    for _ in range(100_000):
+        chain = [chain]
+    with pytest.raises(UnsavedStateError, match="nested too deeply"):
+        written(chain=chain)
+
+
+def test_a_checkpoint_holds_no_code() -> None:
+    program = RewardProgram("import math\nF = [math.sin, len, lambda: 1]\ndef _get_rew(s, v, a): 0")
+    instance = program.instance()
+    text = dump(instance, FixedObjects(instance), {}, {})
+    assert json.loads(text)["module"]["F"][0] == "node"
+    for name in ("os:system", "subprocess:Popen"):
+        changed = text.replace(b"math:sin", name.encode())
+        fresh = program.instance()
+        load(
+            changed, fresh, FixedObjects(fresh), {}
+        )  # names what is loaded already, imports nothing
+        assert callable(fresh.namespace["F"][1])

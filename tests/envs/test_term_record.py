@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+import pytest
 
 from robomore.envs.term_record import TermRecord
 
@@ -62,3 +63,21 @@ def test_names_made_up_in_every_call_do_not_pile_up() -> None:
     for i in range(100):
         record.add({f"{i}": 1.0, i: 1.0})
     assert len(record.statistics()) == 64
+
+
+@pytest.mark.parametrize("size", [1e307, 1.7e308, 5e-324, 1e-300])
+def test_statistics_of_any_finite_terms_are_finite(size: float) -> None:
+    record = TermRecord()
+    for i in range(1000):
+        record.add({"same": size, "either": size * (-1) ** i, "one": size if i else 0.0})
+    found = record.statistics()
+    assert found["same"].mean == pytest.approx(size, rel=1e-12)
+    assert found["either"] == type(found["either"])(0.0, -size, size)
+    assert found["one"].mean <= size
+    assert all(total == total for _, total in record.sums().values())
+
+
+@pytest.mark.parametrize("name", ["a\nb", "# x\r", "a\x1b[2J", "a\u202eb", "a\u2028", "a\tb"])
+def test_a_name_is_one_line_of_printable_characters(name: str) -> None:
+    with pytest.raises(ValueError, match="is no name of a term"):
+        TermRecord().add({name: 1.0})

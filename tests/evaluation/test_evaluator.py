@@ -30,6 +30,8 @@ from robomore.types import (
     Trial,
 )
 
+NUMBERS = {"fitness": 1.0, "volume": 1.0, "efficiency": 1.0}
+
 Script = Callable[[Request], Outcome]
 
 
@@ -204,7 +206,7 @@ def test_no_design_is_blamed_where_no_worker_starts(tmp_path: Path) -> None:
 
 def test_a_policy_that_comes_out_otherwise_is_not_passed_off(tmp_path: Path) -> None:
     def luckier(request: Request) -> Outcome:
-        known = Evaluation(request.key, request.job, Status.OK, episode_fitness=(9.0,))
+        known = Evaluation(request.key, request.job, Status.OK, episode_fitness=(9.0,), **NUMBERS)
         return answered(known, b"another policy")
 
     ours = evaluator(tmp_path, Scripted(good))
@@ -220,7 +222,7 @@ def test_policies_come_as_bytes_and_are_kept_with_their_curves(tmp_path: Path) -
     curve = Curve((10, 20), {"alpha": (None, 0.5)})
 
     def trained(request: Request) -> Outcome:
-        known = Evaluation(request.key, request.job, Status.OK, fitness=1.0, curve=curve)
+        known = Evaluation(request.key, request.job, Status.OK, curve=curve, **NUMBERS)
         return answered(known, b"policy")
 
     ours = evaluator(tmp_path, Scripted(trained))

@@ -2,11 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import msgspec
 import pytest
 
-from robomore.evaluation.request import Training, believed
-from robomore.types import Curve
+from robomore.evaluation.request import Answer, Training, believed, checked_answer
+from robomore.types import (
+    Curve,
+    Design,
+    Evaluation,
+    Job,
+    Morphology,
+    Reward,
+    Status,
+    TermStatistics,
+    TrainerSettings,
+)
+
+JOB = Job("ant", Design(Morphology((0.1,)), Reward("…")), TrainerSettings(), 100, 1, 7)
+GOOD = Evaluation(
+    "k1", JOB, Status.OK, fitness=1.0, volume=0.5, efficiency=2.0, episode_fitness=(1.0,)
+)
 
 
 def test_a_curve_is_carried_over() -> None:
@@ -43,3 +61,69 @@ def test_names_of_series_are_made_fit_to_be_shown() -> None:
 def test_anything_else_is_refused(curve: bytes) -> None:
     with pytest.raises(ValueError, match=r"."):
         believed(b'{"steps": 1, "curve": ' + curve + b"}")
+
+
+def test_names_of_terms_and_notes_are_one_line_each() -> None:
+    claimed = Training(1, {"a\nb\x1b[2J": TermStatistics(0.0, 0.0, 0.0)}, ("one\ntwo\u202e",))
+    found = believed(msgspec.json.encode(claimed))
+    assert all(text.isprintable() for text in (*found.terms, *found.notes))
+    assert "a b" in next(iter(found.terms))
+
+
+@pytest.mark.parametrize("policy", [b"", b"policy"])
+def test_a_good_answer_is_carried_over(policy: bytes) -> None:
+    answer = Answer(GOOD, policy)
+    assert checked_answer(msgspec.json.encode(answer), "k1", JOB) == answer
+    failed = Answer(Evaluation("k1", JOB, Status.UNSTABLE, "why", artifact="k1"), policy)
+    kept = checked_answer(msgspec.json.encode(failed), "k1", JOB)
+    assert kept == Answer(replace(failed.evaluation, artifact=""), b"")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"fitness": None},
+        {"episode_fitness": [1.0, None]},
+        {"behaviour": {"fell_share": None}},
+        {"efficiency": "2.0"},
+        {"volume": 0.0},
+        {"volume": -1.0},
+        {"key": "k2"},
+        {"key": "../k1"},
+        {"artifact": "../../outside"},
+        {"artifact": "/etc"},
+        {"artifact": ".."},
+        {"status": "failed"},
+        {"status": "fine"},
+        {"diagnosis": 1},
+        {"curve": {"steps": [2, 1], "series": {}}},
+        {"job": {"task": "ant"}},
+        {"job": None},
+        {"notes": [[]]},
+    ],
+    ids=str,
+)
+def test_an_answer_that_cannot_be_kept_is_refused(changes: dict[str, Any]) -> None:
+    answer = msgspec.to_builtins(Answer(GOOD))
+    answer["evaluation"] |= changes
+    with pytest.raises(ValueError, match=r"."):
+        checked_answer(msgspec.json.encode(answer), "k1", JOB)
+
+
+@pytest.mark.parametrize("reply", [b"", b"null", b"\xff", b"[" * 100_000, b'{"evaluation": 1e999}'])
+def test_noise_is_refused(reply: bytes) -> None:
+    with pytest.raises(ValueError, match=r"."):
+        checked_answer(reply, "k1", JOB)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_no_evaluation_has_numbers_that_are_not_finite(value: float) -> None:
+    for changes in (
+        {"fitness": value},
+        {"episode_fitness": (value,)},
+        {"behaviour": {"a": value}},
+        {"terms": {"a": TermStatistics(0.0, value, 0.0)}},
+        {"seconds": value},
+    ):
+        with pytest.raises(ValueError, match="not finite"):
+            replace(GOOD, **changes)  # type: ignore[arg-type]

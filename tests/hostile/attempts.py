@@ -49,7 +49,11 @@ MECHANISMS = {
     "endless work while loading": ("availability/endless_loop_at_import",),
     "idleness": ("availability/sleep",),
     "memory": ("availability/huge_array", "availability/leak"),
-    "disk": ("availability/big_file",),
+    "memory that is not watched": (
+        *("availability/main_thread_ends", "availability/growing_stack"),
+    ),
+    "disk": ("availability/big_file", "availability/removed_while_open"),
+    "disk without names": ("availability/nameless_file", "availability/move_while_counted"),
     "output": ("availability/print_gigabyte",),
     "programs that do not load": ("broken/syntax", "broken/no_function", "broken/raises_at_import"),
     "programs that raise": ("broken/exit", "broken/memory_error", "broken/unknown_name"),

@@ -71,14 +71,14 @@ def evaluate(planted: World, name: str, source: str) -> Evaluation:
     job = Job(
         TASK.id,
         Design(Morphology(TASK.reference), Reward(source)),
-        TrainerSettings("crossq", {"num_envs": 4}),
+        TrainerSettings("crossq", {"num_envs": 4, "net_arch": []}),
         steps=240,
         episodes=1,
         seed=1,
         limits=LIMITS,
         task_key=task_key(TASK),
     )
-    request = Request(job, key=name, scratch=str(planted.scratch(name)))
+    request = Request(job, key=name.replace("/", "-"), scratch=str(planted.scratch(name)))
     return module.evaluate(request, lambda steps: None).evaluation
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import gzip
 import json
 import socket
 import threading
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -14,7 +17,11 @@ from typing import Any
 KEY = "sk-test-0123456789abcdef"
 
 
-Step = str | tuple[str, str] | Callable[[dict[str, Any]], str]
+Step = (
+    str
+    | tuple[str, str | Callable[[dict[str, Any]], dict[str, int]]]
+    | Callable[[dict[str, Any]], str]
+)
 
 
 @dataclass
@@ -22,8 +29,9 @@ class Script:
     """What the server does with each request in turn; the last entry is repeated.
 
     Attributes:
-        steps: names of `_Handler` methods, (`say`, text), or functions of the request's body that
-            return the text; these may be asked side by side.
+        steps: names of `_Handler` methods, (`say`, text), (`counted`, a function of the request's
+            body that returns the usage), or functions of the body that return the text; these may
+            be asked side by side.
         seen: bodies of the requests, in order.
         keys: the authorization of each request.
     """
@@ -47,7 +55,9 @@ class _Handler(BaseHTTPRequestHandler):
         self.script.seen.append(body)
         self.script.keys.append(self.headers.get("authorization", ""))
         step = self.script.steps[min(number, len(self.script.steps) - 1)]
-        if isinstance(step, tuple):
+        if isinstance(step, tuple) and callable(step[1]):
+            self.say(usage=step[1](body))
+        elif isinstance(step, tuple):
             self.say(step[1])
         elif callable(step):
             self.say(step(body))
@@ -55,7 +65,11 @@ class _Handler(BaseHTTPRequestHandler):
             getattr(self, step)()
 
     def say(self, text: str | None = "ready", **changes: Any) -> None:
-        answer = {
+        self.send(200, json.dumps(self.answer(text) | changes))
+
+    @staticmethod
+    def answer(text: str | None) -> dict[str, Any]:
+        return {
             "id": "answer",
             "object": "chat.completion",
             "created": 1,
@@ -69,7 +83,11 @@ class _Handler(BaseHTTPRequestHandler):
             ],
             "usage": {"prompt_tokens": 100, "completion_tokens": 20, "total_tokens": 120},
         }
-        self.send(200, json.dumps(answer | changes))
+
+    def goodbye(self) -> None:
+        self.close_connection = True
+        body = json.dumps(self.answer("ready"))
+        self.send(200, body, headers={"connection": "close"})
 
     def busy(self) -> None:
         self.fail(429, "slow down", "rate_limit_exceeded", {"Retry-After": "7"})
@@ -125,6 +143,80 @@ class _Handler(BaseHTTPRequestHandler):
     def null_choices(self) -> None:
         self.say(choices=None)
 
+    def nested(self) -> None:
+        self.send(200, '{"choices": ' + "[" * 100_000 + "]" * 100_000 + "}")
+
+    def choices_as_text(self) -> None:
+        self.say(choices="x")
+
+    def choices_as_numbers(self) -> None:
+        self.say(choices=[1, 2])
+
+    def message_as_list(self) -> None:
+        self.say(choices=[{"index": 0, "message": ["x"], "finish_reason": "stop"}])
+
+    def usage_as_text(self) -> None:
+        self.say(usage={"prompt_tokens": "many", "completion_tokens": [], "total_tokens": None})
+
+    def not_an_object(self) -> None:
+        self.send(200, "[1, 2, 3]")
+
+    def endless(self) -> None:
+        self.send_response(200)
+        self.send_header("content-type", "application/json")
+        self.end_headers()
+        self.close_connection = True
+        with contextlib.suppress(OSError):
+            for _ in range(200):
+                self.wfile.write(b" " * 2**20)
+
+    def gzip(self) -> None:
+        self.compressed(200, gzip.compress(json.dumps(self.answer("ready")).encode()), "gzip")
+
+    def deflate(self) -> None:
+        self.compressed(200, zlib.compress(json.dumps(self.answer("ready")).encode()), "deflate")
+
+    def gzip_bomb(self) -> None:
+        self.compressed(200, gzip.compress(b" " * 2**24), "gzip")
+
+    def deflate_bomb(self) -> None:
+        self.compressed(200, zlib.compress(b" " * 2**24), "deflate")
+
+    def bomb_of_an_error(self) -> None:
+        self.compressed(400, gzip.compress(b" " * 2**24), "gzip")
+
+    def unknown_encoding(self) -> None:
+        self.compressed(200, b"x" * 100, "br")
+
+    def compressed(self, status: int, data: bytes, encoding: str) -> None:
+        self.send(status, data, headers={"content-encoding": encoding})
+
+    def end_as(self, reason: str, text: str | None = None, **message: Any) -> None:
+        said = {"role": "assistant", "content": text} | message
+        self.say(choices=[{"index": 0, "message": said, "finish_reason": reason}])
+
+    def filtered(self) -> None:
+        self.end_as("content_filter")
+
+    def filtered_midway(self) -> None:
+        self.end_as("content_filter", '{"len')
+
+    def refusing(self) -> None:
+        self.end_as("stop", refusal="I cannot help with that.")
+
+    def thinking_only(self) -> None:
+        self.end_as("stop", "", reasoning_content='{"length": 2}')
+
+    def thinking_cut_off(self) -> None:
+        self.end_as("length", "", reasoning_content="Let me think about that. " * 9)
+
+    def thinking_and_answer(self) -> None:
+        self.end_as("stop", "ready", reasoning_content='{"length": 1}')
+
+    def tool_call(self) -> None:
+        call = {"name": "answer", "arguments": '{"length": 2}'}
+        self.end_as("tool_calls", tool_calls=[{"id": "1", "type": "function", "function": call}])
+
     def silent(self) -> None:
         self.say(None)
 
@@ -161,11 +253,11 @@ class _Handler(BaseHTTPRequestHandler):
     def send(
         self,
         status: int,
-        body: str,
+        body: str | bytes,
         kind: str = "application/json",
         headers: dict[str, str] | None = None,
     ) -> None:
-        data = body.encode()
+        data = body.encode() if isinstance(body, str) else body
         self.send_response(status)
         for name, value in (headers or {}).items():
             self.send_header(name, value)

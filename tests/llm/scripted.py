@@ -14,7 +14,7 @@ class ScriptedModel:
 
     def __init__(
         self,
-        answers: Sequence[str] | Callable[[Request], str],
+        answers: Sequence[str | Completion] | Callable[[Request], str | Completion],
         name: str = "fake",
         price: float | None = 0.01,
     ) -> None:
@@ -32,6 +32,8 @@ class ScriptedModel:
             number = len(self.asked)
             self.asked.append(request)
         text = self._answers(request) if callable(self._answers) else self._answers[number]
+        if isinstance(text, Completion):
+            return text
         return Completion(text, input_tokens=1000, output_tokens=100, cost=self._price)
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:

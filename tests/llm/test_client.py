@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import dataclasses
+import resource
 import sys
 
 import pytest
 from loopback import KEY, serve
 
 from robomore.errors import InputError, ModelUnavailable
-from robomore.llm import Message, Request, Sampling, check, connect
+from robomore.llm import (
+    BudgetedClient,
+    MemoryLog,
+    Message,
+    Request,
+    Sampling,
+    check,
+    connect,
+)
 from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import RetryPolicy
+from robomore.llm.trouble import trouble_with
 from robomore.types import Slot
 
 pytest.importorskip("pydantic_ai")
@@ -123,6 +133,12 @@ def test_a_stall_is_given_up_and_tried_again() -> None:
         ("half", "cannot be read"),
         ("no_choices", "without content"),
         ("page", "ends in /v1"),
+        ("nested", "cannot be read"),
+        ("choices_as_text", "cannot be read"),
+        ("choices_as_numbers", "cannot be read"),
+        ("message_as_list", "cannot be read"),
+        ("usage_as_text", "cannot be read"),
+        ("not_an_object", "is no JSON"),
         ("busy", "busy: slow down"),
         ("busy_for_an_hour", "asks to wait 3600 s"),
     ],
@@ -139,8 +155,19 @@ def test_a_lasting_fault_ends_in_one_line(fault: str, said: str) -> None:
 def test_nobody_listens() -> None:
     with serve("say") as (url, _):
         pass
+    model, waits = model_at(url, tries=2)
+    with pytest.raises(ModelUnavailable, match="no server answers at http://127") as caught:
+        model.complete(PLAIN)
+    assert waits == [] and "OLLAMA_BASE_URL" in str(caught.value)
+
+
+def test_a_server_that_restarts_is_waited_for() -> None:
+    with serve("goodbye") as (url, _):
+        model, waits = model_at(url)
+        model.complete(PLAIN)
     with pytest.raises(ModelUnavailable, match="no connection"):
-        model_at(url, tries=2)[0].complete(PLAIN)
+        model.complete(PLAIN)
+    assert len(waits) == 2
 
 
 @pytest.mark.parametrize(
@@ -152,6 +179,11 @@ def test_nobody_listens() -> None:
         ("no_money", "quota is used up"),
         ("refused", "HTTP 400: temperature is not supported"),
         ("too_long", "too long"),
+        ("endless", "more than 8 MiB"),
+        ("gzip_bomb", "more than 8 MiB"),
+        ("deflate_bomb", "more than 8 MiB"),
+        ("bomb_of_an_error", "more than 8 MiB"),
+        ("unknown_encoding", "in the encoding 'br'"),
     ],
 )
 def test_what_can_never_work_is_said_at_once_and_shows_no_key(fault: str, said: str) -> None:
@@ -181,6 +213,93 @@ def test_a_server_that_takes_schemas_gets_them_with_their_bounds() -> None:
     assert completion.structured
     sent = script.seen[0]["response_format"]["json_schema"]["schema"]["properties"]["length"]
     assert (sent["minimum"], sent["maximum"]) == (0.25, 3)
+
+
+@pytest.mark.parametrize("compression", ["gzip", "deflate"])
+def test_a_compressed_answer_is_read(compression: str) -> None:
+    with serve(compression) as (url, _):
+        assert model_at(url)[0].complete(PLAIN).reply == "ready"
+
+
+def test_an_answer_of_any_length_that_is_too_large_takes_little_memory() -> None:
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with serve("endless") as (url, _), pytest.raises(InputError):
+        model_at(url)[0].complete(PLAIN)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200 * 1024
+
+
+def test_a_key_in_an_answer_is_removed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OTHER_TOKEN", "p/w+12345")
+    said = f"your key {KEY}, p/w+12345 and p%2Fw%2B12345, at https://me:pass@host/v1"
+    with serve(("say", said)) as (url, _):
+        reply = model_at(url)[0].complete(PLAIN).reply
+    assert reply == "your key ***, *** and ***, at https://***@host/v1"
+
+
+@pytest.mark.parametrize("fault", ["wrong_path", "page", "broken", "drop", "wrong_model"])
+def test_a_password_in_the_url_is_not_shown(fault: str) -> None:
+    with serve(fault) as (url, _):
+        model, _ = model_at(url.replace("://", "://user:hunter22@"), tries=1)
+        with pytest.raises((InputError, ModelUnavailable)) as caught:
+            model.complete(PLAIN)
+    assert "hunter22" not in str(caught.value)
+
+
+@pytest.mark.parametrize("url", ["ftp://user:hunter22@host/v1", "http://user:hunter22@/v1"])
+def test_a_password_in_a_wrong_url_is_not_shown(url: str) -> None:
+    with pytest.raises(InputError, match="is no URL") as caught:
+        connect("toy", base_url=url)
+    assert "hunter22" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("step", "reply", "ending", "to_user"),
+    [
+        ("filtered", "", "filter", "content filter withheld"),
+        ("filtered_midway", '{"len', "filter", "content filter cut"),
+        ("refusing", "I cannot help with that.", "refusal", "refused to answer"),
+        ("thinking_only", '{"length": 2}', "thoughts", "reasoning_content"),
+        ("thinking_cut_off", "", "", "--max-output-tokens"),
+        ("cut_off", '{"length": ', "", "--max-output-tokens"),
+        ("silent", "", "", "gave no reason"),
+        ("thinking_and_answer", "ready", "", ""),
+        ("tool_call", '{"length":2}', "", ""),
+    ],
+)
+def test_the_reason_of_an_incomplete_answer_is_kept(
+    step: str, reply: str, ending: str, to_user: str
+) -> None:
+    with serve(step) as (url, _):
+        completion = model_at(url)[0].complete(PLAIN)
+    assert (completion.reply, completion.ending) == (reply, ending)
+    trouble = trouble_with(completion)
+    if not to_user:
+        assert trouble is None
+    else:
+        assert trouble is not None and to_user in trouble.to_user
+        assert "--" not in trouble.to_model
+
+
+@pytest.mark.parametrize("step", ["filtered", "refusing", "thinking_cut_off", "silent"])
+def test_check_fails_without_an_answer(step: str) -> None:
+    with serve(step) as (url, _), pytest.raises(ModelUnavailable, match="gave no answer: the"):
+        check(model_at(url)[0])
+
+
+@pytest.mark.parametrize(("read", "cut"), [(4096, True), (2048, True), (8200, False), (90, False)])
+def test_a_cut_prompt_is_noticed(read: int, cut: bool, caplog: pytest.LogCaptureFixture) -> None:
+    def counts(body: dict) -> dict:
+        return {"prompt_tokens": read, "completion_tokens": 1, "total_tokens": read + 1}
+
+    words = Message("user", "one word after the other " * 1000)
+    with serve(("counted", counts)) as (url, _):
+        client = BudgetedClient(model_at(url)[0], MemoryLog())
+        for repair in range(2):
+            client.ask(dataclasses.replace(PLAIN, repair=repair, messages=(words,)))
+        found = check(model_at(url)[0]).prompt_cut
+    warned = [r.message for r in caplog.records if "cuts prompts" in r.message]
+    assert len(warned) == cut and bool(found) == cut
+    assert not cut or ("OLLAMA_CONTEXT_LENGTH" in found and f"{read:,} tokens" in found)
 
 
 def test_odd_answers_are_answers() -> None:
@@ -220,7 +339,7 @@ def test_keys_of_providers_do_not_go_to_other_servers(monkeypatch: pytest.Monkey
     ("model", "url", "said"),
     [
         ("gpt", None, "PROVIDER:NAME"),
-        ("nowhere:toy", None, "Unknown model"),
+        ("nowhere:toy", None, "no provider is called 'nowhere'"),
         ("openai:toy", None, "OPENAI_API_KEY is not set"),
         pytest.param(
             *("anthropic:toy", None, "ANTHROPIC_API_KEY is not set"), marks=pytest.mark.exhaustive

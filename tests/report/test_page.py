@@ -36,7 +36,7 @@ from robomore.runs.grid import grids
 from robomore.runs.words import with_interval
 from robomore.settings import FinalSettings
 from robomore.store import Ledger
-from robomore.store.ledger import Proposal
+from robomore.store.schema import Proposal
 from robomore.types import Design, Place, Slot, Status
 
 TIMES = "\N{MULTIPLICATION SIGN}"

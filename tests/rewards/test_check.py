@@ -62,7 +62,20 @@ def test_reference_rewards_pass(task: str) -> None:
         ("np.save('f', action)\nreturn 0.0, {}", 2, "`np.save`"),
         ("action.tofile('f')\nreturn 0.0, {}", 2, "`.tofile`"),
         ("np.ctypeslib.load_library('x', '.')\nreturn 0.0, {}", 2, "`np.ctypeslib`"),
-        ("global x\nx = 1\nreturn 0.0, {}", 2, "`global`"),
+        ("import random\nreturn 0.0, {}", 2, "`self.np_random`"),
+        ("from numpy import random\nreturn 0.0, {}", 2, "`self.np_random`"),
+        ("from functools import lru_cache\nreturn 0.0, {}", 2, "`functools.lru_cache`"),
+        ("return float(id(self)), {}", 2, "`id` is not for rewards"),
+        ("key = hash\nreturn float(key('a')), {}", 2, "`hash` is not for rewards"),
+        ("return np.random.rand(), {}", 2, "draw from `self.np_random`"),
+        ("np.random.seed(0)\nreturn 0.0, {}", 2, "draw from `self.np_random`"),
+        ("np.seterr(all='raise')\nreturn 0.0, {}", 2, "`np.seterr`"),
+        ("return float(action.ctypes.data), {}", 2, "addresses"),
+        ("return self.spec.max_episode_steps, {}", 2, "`self.spec` is None"),
+        ("x = getattr(self, 'spec', 1)\nreturn 0.0, {}", 2, "`self.spec` is None"),
+        ("return self.training_progress, {}", 2, "`self.training_steps`"),
+        ("x = getattr(self, 'training_progress', 0)\nreturn 0.0, {}", 2, "`self.training_steps`"),
+        ("import functools\nfunctools.memory = 1\nreturn 0.0, {}", 3, "changes `functools.memory`"),
         ("while True:\n    x = 1\nreturn 0.0, {}", 2, "never ends"),
         ("self.data.qpos[0] = 1.0\nreturn 0.0, {}", 2, "writes to `self.data`"),
         ("self.model.opt.gravity[2] += 1.0\nreturn 0.0, {}", 2, "writes to `self.model`"),
@@ -92,7 +105,7 @@ def test_says_what_is_wrong_and_where(text: str, line: int, words: str) -> None:
         ("@f\ndef _get_rew(self, v, a):\n    return 0.0, {}", "must not be decorated"),
         (f"{body('return 0.0, {}')}{body('return 0.0, {}')}", "defined twice"),
         ("x = 1 #" + "x" * LONGEST, "too many"),
-        ("x = '\0'", "does not parse"),
+        ("x = '\0'", "U+0000"),
         ("x = " + "(" * 5000, "does not parse"),
         ("x = " + "-" * 40_000 + "1", "does not parse"),
         ("x = 1" + "+1" * 20_000, "does not parse"),
@@ -102,10 +115,39 @@ def test_says_what_is_wrong_with_the_whole(source: str, words: str) -> None:
     assert any(words in finding.message for finding in errors(source))
 
 
-def test_warns_of_what_is_allowed_and_odd() -> None:
-    found = check_reward(body("print(1)\nself.last = np.random.rand()\nreturn 0.0, {}"))
-    assert {(it.line, it.severity) for it in found} == {(2, "warning"), (3, "warning")}
-    assert len(found) == 3
+def test_says_what_is_allowed_and_good_to_know() -> None:
+    text = "print(1)\nglobal n\nself.last = np.random.default_rng(1).normal()\nself.last += 1"
+    found = check_reward(body(f"{text}\nreturn 0.0, {{}}"))
+    assert [(it.line, it.severity) for it in found] == [
+        (2, "warning"),
+        (3, "note"),
+        (4, "note"),
+        (4, "warning"),
+    ]
+    assert "for the whole training" in found[1].message
+    assert "keeps `self.last` between the steps of an episode" in found[2].message
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "x = '\x1b[2J'",
+        "# \u202e reversed",
+        "x = 1\u2066  # isolate",
+        "y = 'a\u2028b'",
+        "z = '\x9b'",
+        "a = 1\rb = 2",
+        "b = '\ufeff'",
+        "c = '\x07'",
+    ],
+)
+def test_characters_that_steer_are_refused(line: str) -> None:
+    (found,) = errors(f"s = 'Ä — ü, fine'\n{line}\n{GOOD}")
+    assert found.line == 2 and "steers how text is shown" in found.message
+
+
+def test_files_of_other_systems_pass() -> None:
+    assert check_reward("\ufeff" + GOOD.replace("\n", "\r\n")) == []
 
 
 @pytest.mark.parametrize(
@@ -116,13 +158,18 @@ def test_warns_of_what_is_allowed_and_odd() -> None:
         "result = (0.0, {})\nreturn result",
         "while True:\n    if x_velocity > 0:\n        break\nreturn 0.0, {}",
         "return self.shaped(x_velocity)",
+        "import collections, math, functools, itertools\nreturn 0.0, {}",
+        "from dataclasses import dataclass\nreturn 0.0, {}",
+        "from types import SimpleNamespace\nreturn 0.0, {}",
+        "class A:\n    __slots__ = ('x',)\n    def __init__(self):\n        super().__init__()\n"
+        "        self.training_progress = 1\nreturn 0.0, {}",
     ],
 )
 def test_does_not_cry_wolf(text: str) -> None:
     assert errors(body(text)) == []
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.text(max_size=200))
 def test_never_fails_itself(source: str) -> None:
     for finding in check_reward(source):

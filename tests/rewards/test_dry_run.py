@@ -11,7 +11,7 @@ from robomore.rewards.dry_run_findings import Observed, Term, findings, morpholo
 from robomore.tasks import TASKS, get_task
 
 CALLS = (RANDOM_MORPHOLOGIES + 1) * NUM_ENVS * STEPS
-PLAIN = {"speed": Term(1.0), "effort": Term(0.5)}
+PLAIN = {"speed": Term(1.0, 0, 0.0, -2.0, 3.0), "effort": Term(0.5, 0, -1.0, -2.0, 0.0)}
 
 
 def observed(**changes: object) -> Observed:
@@ -25,9 +25,13 @@ def program(*lines: str) -> str:
 
 def test_a_usual_reward_gives_no_findings() -> None:
     assert findings(observed(), 1) == []
-    bonus = {**PLAIN, "healthy": Term(0.0)}
-    assert findings(observed(terms=bonus), 1) == []
-    assert findings(observed(terms={"speed": Term(1.0), "healthy": Term(0.0)}), 1) == []
+
+
+def test_a_bonus_that_never_changes_is_noted_and_no_rival() -> None:
+    bonus = {"speed": PLAIN["speed"], "healthy": Term(0.0, 0, 1.0, 1.0, 1.0)}
+    (found,) = findings(observed(terms=bonus), 1)
+    assert found.severity == "note"
+    assert "'healthy' was the same number in all 300 steps" in found.message
 
 
 @pytest.mark.parametrize(
@@ -37,16 +41,36 @@ def test_a_usual_reward_gives_no_findings() -> None:
         ({"seconds": 0.02}, "error", "one call takes 20.0 ms"),
         ({"seconds": 0.002}, "warning", "one call takes 2.0 ms"),
         ({"terms": {}}, "warning", "no terms"),
-        ({"terms": {**PLAIN, "odd": Term(0.0, 3)}}, "warning", "'odd' was not always a finite"),
         (
-            {"terms": {"speed": Term(400.0), "effort": Term(0.5)}},
+            {"terms": {**PLAIN, "odd": Term(0.1, 3, 0.0, 0.0, 1.0)}},
+            "warning",
+            "'odd' was not always a finite",
+        ),
+        (
+            {"terms": {**PLAIN, "spin": Term(), "drift": Term()}},
+            "warning",
+            "'spin', 'drift' were 0 in all 300 steps",
+        ),
+        (
+            {"low": -3e79, "terms": {**PLAIN, "far": Term(1e78, 0, 0.0, -3e79, 1.0)}},
+            "error",
+            "the reward was -3e+79 (its largest term: 'far', -3e+79), which is too large",
+        ),
+        ({"low": 0.0, "high": 1e-12}, "error", "1e-12 (its largest term: 'speed', 3) at most"),
+        (
+            {"low": 1e9, "high": 1e9 + 1},
+            "error",
+            "and differed by only 1 in 300 steps: too few digits",
+        ),
+        (
+            {"terms": {"speed": Term(400.0, 0, 0.0, -1.0, 1.0), "effort": PLAIN["effort"]}},
             "warning",
             "'speed' dominates: under random actions it makes 99.9 % of all variation",
         ),
     ],
 )
 def test_what_is_found(changes: dict[str, object], severity: str, said: str) -> None:
-    (found,) = findings(observed(**changes), 7)
+    found, *_ = findings(observed(**changes), 7)
     assert (found.line, found.severity) == (7, severity)
     assert said in found.message
 
@@ -82,7 +106,7 @@ def test_the_reference_reward_passes(name: str, tmp_path: Path) -> None:
 def test_a_bad_reward_is_told_of_in_its_line(
     lines: list[str], line: int, said: str, tmp_path: Path
 ) -> None:
-    (found,) = DryRun(get_task("swimmer"), tmp_path)(program(*lines))
+    found, *_ = DryRun(get_task("swimmer"), tmp_path)(program(*lines))
     assert found.severity == "error" and said in found.message
     if "while" not in lines[0]:
         assert found.line == line

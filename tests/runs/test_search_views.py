@@ -14,7 +14,7 @@ from robomore.runs.empty import EmptySlot, lines_without
 from robomore.runs.grid import grids
 from robomore.runs.progress import progress
 from robomore.store import Ledger
-from robomore.store.ledger import Proposal
+from robomore.store.schema import Proposal
 from robomore.types import Design, MethodSettings, Place, Slot, Status
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import warnings
 import zipfile
 from pathlib import Path
 
@@ -21,8 +22,8 @@ def test_plain_files_come_out(tmp_path: Path) -> None:
 
 
 def test_arrays_come_out(tmp_path: Path) -> None:
-    np.savez(tmp_path / "a.npz", x=np.arange(3), y=np.eye(2))
-    arrays = read_arrays(tmp_path / "a.npz", 10_000)
+    np.savez(tmp_path / "a.npz", x=np.arange(3, dtype="f4"), y=np.eye(2, dtype="f4"))
+    arrays = read_arrays(tmp_path / "a.npz", 10_000, 2)
     np.testing.assert_array_equal(arrays["x"], [0, 1, 2])
     assert arrays["y"].shape == (2, 2)
 
@@ -53,19 +54,63 @@ def test_bombs_and_pickles(tmp_path: Path) -> None:
     text.write_text("no archive")
     for path in (bomb, pickled, huge, text):
         with pytest.raises(UntrustedFileError):
-            read_arrays(path, 100_000)
+            read_arrays(path, 100_000, 8)
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.zeros(3),
+        np.zeros(3, "<f2"),
+        np.zeros(3, ">f4"),
+        np.zeros(3, "<i4"),
+        np.zeros(3, "<c8"),
+        np.zeros(3, "<M8[s]"),
+        np.zeros(3, "<U4"),
+        np.zeros(3, [("a", "<f4")]),
+        np.float32(1),
+        np.zeros((0, 4), "<f4"),
+        np.zeros((2, 2, 2), "<f4"),
+        np.asfortranarray(np.zeros((2, 3), "<f4")),
+    ],
+    ids=lambda array: f"{array.dtype.str}{array.shape}",
+)
+def test_only_matrices_and_vectors_of_float32_are_read(tmp_path: Path, array: np.ndarray) -> None:
+    np.savez(tmp_path / "a.npz", x=array)
+    with pytest.raises(UntrustedFileError):
+        read_arrays(tmp_path / "a.npz", 10_000, 8)
+
+
+def test_an_archive_is_bounded_and_has_each_name_once(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    np.savez(path, **{f"x{i}": np.zeros(1, "<f4") for i in range(9)})
+    with pytest.raises(UntrustedFileError, match="too many"):
+        read_arrays(path, 100_000, 8)
+    content = io.BytesIO()
+    np.save(content, np.zeros(3, "<f4"))
+    for names in (("x.npy", "x.npy"), ("x",), ("x.txt",)):
+        with warnings.catch_warnings(), zipfile.ZipFile(path, "w") as archive:
+            warnings.simplefilter("ignore")
+            for name in names:
+                archive.writestr(name, content.getvalue())
+        with pytest.raises(UntrustedFileError, match="not what NumPy writes"):
+            read_arrays(path, 100_000, 8)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("x.npy", content.getvalue() + b"more")
+    with pytest.raises(UntrustedFileError, match="does not fit"):
+        read_arrays(path, 100_000, 8)
 
 
 @pytest.mark.parametrize("seed", range(30))
 def test_damage_is_suspicious_or_harmless(tmp_path: Path, seed: int) -> None:
-    np.savez(tmp_path / "a.npz", x=np.arange(50.0))
+    np.savez(tmp_path / "a.npz", x=np.arange(50, dtype="f4"))
     content = bytearray((tmp_path / "a.npz").read_bytes())
     rng = np.random.default_rng(seed)
     for _ in range(5):
         content[rng.integers(len(content))] = rng.integers(256)
     (tmp_path / "a.npz").write_bytes(content)
     try:
-        arrays = read_arrays(tmp_path / "a.npz", 10_000)
+        arrays = read_arrays(tmp_path / "a.npz", 10_000, 8)
     except UntrustedFileError:
         return
     assert all(array.nbytes <= 10_000 for array in arrays.values())

@@ -84,12 +84,18 @@ def test_what_cannot_be_made_is_refused(name: str, options: dict, said: str) -> 
         make_method(MethodSettings(name, options))
 
 
-_SIZES = [*itertools.product((1, 4, 9), (1, 3), ("in", "out"), ("none", "halving"), (0, 3))]
+_SIZES = [
+    (*sizes, improvement)
+    for improvement, cycles in (("score", (0, 3)), ("seeds", (3,)))
+    for sizes in itertools.product((1, 4, 9), (1, 3), ("in", "out"), ("none", "halving"), cycles)
+]
 
 
-@pytest.mark.parametrize(("rows", "columns", "reference", "screening", "cycles"), _SIZES)
+@pytest.mark.parametrize(
+    ("rows", "columns", "reference", "screening", "cycles", "improvement"), _SIZES
+)
 def test_a_plan_bounds_what_the_paper_s_method_asks_for(
-    rows: int, columns: int, reference: str, screening: str, cycles: int
+    rows: int, columns: int, reference: str, screening: str, cycles: int, improvement: str
 ) -> None:
     options = {
         "morphologies": rows,
@@ -98,6 +104,8 @@ def test_a_plan_bounds_what_the_paper_s_method_asks_for(
         "screening": screening,
         "max_cycles": cycles,
         "survivors": 0.2,
+        "improvement": improvement,
+        "close_call": 1.0,
     }
     method = make_method(MethodSettings("robomore", options))
     measuring, designer = Anything(), CountingDesigner()
@@ -107,7 +115,7 @@ def test_a_plan_bounds_what_the_paper_s_method_asks_for(
     for trial, fraction in zip(
         itertools.chain(*measuring.batches), measuring.fractions, strict=True
     ):
-        key = trial.design.morphology.parameters, trial.design.reward.source
+        key = trial.design.morphology.parameters, trial.design.reward.source, trial.place.repeat
         steps[key] = max(steps.get(key, 0.0), fraction)
     assert sum(steps.values()) * STEPS <= sum(stage.steps for stage in plan.stages) + 1
     assert len(measuring.batches) <= sum(stage.batches for stage in plan.stages)

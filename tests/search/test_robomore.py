@@ -10,9 +10,10 @@ import pytest
 
 from robomore.errors import NothingTrained, ProposalFailed
 from robomore.search.measure import improves, ranked, top
+from robomore.search.robomore.branch import Branch
 from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.fine import fine
-from robomore.types import Design, Morphology, Reward, Slot
+from robomore.types import Design, Evaluation, Morphology, Reward, Slot, Trial
 from search.fakes import (
     CountingDesigner,
     Measuring,
@@ -102,6 +103,106 @@ def test_a_branch_sees_the_grid_and_its_own_trials_only() -> None:
     first, second = designer.histories[2], designer.histories[3]
     assert first[:2] == second[:2] == grid
     assert len(first) == 4 and not set(first[2:]) & set(second[2:])
+
+
+class Noisy(Measuring):
+    """Each training seed adds its own noise to a design's score."""
+
+    def __init__(
+        self, score: Callable[[float, float], float], noise: Callable[[float, float, int], float]
+    ) -> None:
+        super().__init__(score)
+        self.noise = noise
+
+    def __call__(
+        self, trials: Sequence[Trial], *, budget_fraction: float = 1.0
+    ) -> list[Evaluation]:
+        self.batches.append(list(trials))
+        return [self.seeded(trial.design, trial.place.repeat) for trial in trials]
+
+    def seeded(self, one: Design, repeat: int) -> Evaluation:
+        morphology, reward = numbers(one)
+        noise = self.noise(morphology, reward, repeat)
+        found = evaluation(one, self.score(morphology, reward) * (1 + noise))
+        return replace(found, key=f"{found.key}-{repeat}")
+
+
+def unlucky_second(morphology: float, reward: float, repeat: int) -> float:
+    """The proposal (2, 10) has bad luck with its first seed, and good luck with its second."""
+    return (-0.1 if repeat == 0 else 0.1) if (morphology, reward) == (2, 10) else 0.0
+
+
+@pytest.mark.parametrize(("close_call", "found"), [(0.0, (1.0, 10.0)), (0.2, (3.0, 10.0))])
+def test_a_close_call_is_decided_by_a_second_seed(
+    close_call: float, found: tuple[float, float]
+) -> None:
+    # Better by 4 % with each morphology up to 3; no other reward is any good.
+    measuring = Noisy(lambda m, r: (100 + 4 * min(m, 3)) * (r == 10), unlucky_second)
+    start = measuring.seeded(design(1, 10), 0)
+    (best,) = fine(CountingDesigner(), measuring, [start], [start], 9, context(), close_call)
+    assert numbers(best.design) == found and best.key.endswith("-0")
+    repeats = [[t.place.repeat for t in batch] for batch in measuring.batches]
+    if not close_call:
+        assert repeats == [[0], [0]]
+        return
+    # The start is measured again with the first close call only, and so is each new best.
+    assert repeats[:3] == [[0], [1, 1], [0]]
+    assert all(len(batch) == 1 for batch in repeats[2:])
+    again = measuring.batches[1]
+    assert [numbers(t.design) for t in again] == [(2.0, 10.0), (1.0, 10.0)]
+    assert [t.place.changed for t in again] == ["morphology", ""]
+    assert len({t.place for batch in measuring.batches for t in batch}) == sum(map(len, repeats))
+
+
+def test_a_lucky_first_seed_does_not_win_a_close_call() -> None:
+    measuring = Noisy(
+        lambda m, r: 100.0,
+        lambda m, r, repeat: 0.1 * (m == 2 and repeat == 0) - 0.2 * (m == 2 and repeat == 1),
+    )
+    start = measuring.seeded(design(1, 10), 0)
+    (best,) = fine(CountingDesigner(), measuring, [start], [start], 1, context(), 0.2)
+    assert numbers(best.design)[0] == 1.0
+
+
+def test_a_clear_call_and_a_failure_cost_no_second_seed() -> None:
+    measuring = Noisy(lambda m, r: 10.0**m * (r == 10), lambda m, r, repeat: 0.0)
+    start = measuring.seeded(design(1, 10), 0)
+    fine(CountingDesigner(), measuring, [start], [start], 3, context(), 0.2)
+    assert all(t.place.repeat == 0 for batch in measuring.batches for t in batch)
+    failing = Measuring(lambda m, r: None)
+    assert fine(CountingDesigner(), failing, [start], [start], 3, context(), 0.2) == [start]
+    assert len(failing.batches) == 2
+
+
+def test_the_measured_spread_of_the_seeds_takes_the_place_of_the_first_guess() -> None:
+    first = evaluation(design(1, 10), 100.0)
+    branch = Branch(0, first, [], close_call=0.2)
+    other = evaluation(design(2, 10), 85.0)
+    assert branch.is_close(other, "efficiency")
+    for second in (101.0, 99.0):
+        branch.note_seeds(first, evaluation(design(1, 10), second), "efficiency")
+    assert branch.margin == pytest.approx(0.01, rel=0.02)
+    assert not branch.is_close(other, "efficiency")
+
+
+def test_a_second_seed_that_fails_counts_against_a_design() -> None:
+    first, second = evaluation(design(1, 10), 100.0), evaluation(design(1, 10), 90.0)
+    branch = Branch(0, first, [], close_call=0.2, again=second)
+    branch.consider(evaluation(design(2, 10), 105.0), evaluation(design(2, 10), None), "efficiency")
+    assert branch.best is first
+
+
+def test_the_rule_by_seeds_is_a_setting_that_ranks_by_the_mean() -> None:
+    # (2, 20) is best by its first seed, but not with its second.
+    measuring = Noisy(
+        lambda m, r: 100.0,
+        lambda m, r, repeat: (0.02 if repeat == 0 else -0.1) * ((m, r) == (2, 20)),
+    )
+    settings = sizes(2, 2, survivors=1.0, max_cycles=1, improvement="seeds")
+    best, *_ = robomore(CountingDesigner(step=0.5), measuring, settings)
+    assert numbers(best.design) != (2.0, 20.0)
+    paper, *_ = robomore(CountingDesigner(step=0.5), measuring, sizes(2, 2, max_cycles=1))
+    assert numbers(paper.design) == (2.0, 20.0)
 
 
 def test_max_cycles_bounds_a_search_that_always_improves() -> None:

@@ -124,12 +124,6 @@ def test_an_exchange_outlives_its_process(path: Path) -> None:
     assert LedgerExchanges(path).all() == [exchange(0)]
 
 
-def test_a_ledger_without_tables_is_refused(tmp_path: Path) -> None:
-    log = LedgerExchanges(tmp_path / "empty.sqlite")
-    with pytest.raises(LedgerError, match="no such table"):
-        log.all()
-
-
 def test_requests_that_were_never_answered_are_counted_for_good(path: Path) -> None:
     asked = Request(Slot("coarse", "morphology", 0, 0), 1, ASKED)
     log = LedgerExchanges(path)

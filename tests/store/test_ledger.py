@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from robomore.errors import LedgerError
-from robomore.store.ledger import Ledger, Proposal
+from robomore.store.ledger import Ledger
 from robomore.store.rows import digest
+from robomore.store.schema import Proposal
 from robomore.types import (
     Curve,
     Design,

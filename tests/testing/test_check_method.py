@@ -29,6 +29,7 @@ SMALL = {"morphologies": 3, "rewards": 2, "max_cycles": 1}
         ("random", {}),
         ("reference", {}),
         ("robomore", SMALL),
+        ("robomore", {**SMALL, "improvement": "seeds", "close_call": 1.0}),
         ("robomore", {**SMALL, "screening": "halving", "reference_reward": "out"}),
     ],
 )

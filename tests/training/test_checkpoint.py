@@ -15,7 +15,13 @@ from probes import SAC_SETTINGS, SB3_SETTINGS, SETTINGS
 from robomore.testing.probe_env import ProbeEnv
 from robomore.testing.trainers import check_trainer
 from robomore.testing.trainers import same_result as same
-from robomore.training.checkpoint import INDEX, Checkpoint, load_checkpoint, save_checkpoint
+from robomore.training import checkpoint as module
+from robomore.training.checkpoint import (
+    Checkpoint,
+    drop_older,
+    load_checkpoint,
+    save_checkpoint,
+)
 from robomore.training.crossq import CrossQ
 from robomore.training.sac import SAC
 from robomore.training.settings import make_trainer
@@ -90,7 +96,8 @@ def test_a_checkpoint_past_the_budget_or_of_another_training_is_not_used(
 @pytest.mark.parametrize(
     "damage",
     [
-        lambda folder: (folder / INDEX).write_text("{"),
+        lambda folder: (folder / "checkpoint-0.json").write_text("{"),
+        lambda folder: (folder / "checkpoint-0.json").rename(folder / "checkpoint-1.json"),
         lambda folder: [path.write_bytes(b"PK") for path in folder.glob("*.npz")],
         lambda folder: [path.unlink() for path in folder.glob("environment*.npz")],
     ],
@@ -137,13 +144,14 @@ def damage(folder: Path, choose: random.Random) -> None:
 def test_a_writer_that_dies_leaves_the_old_checkpoint(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def dies(*args: Any) -> None:
+    def dies(path: Path, text: str, encoding: str) -> None:
+        path.write_bytes(text.encode()[:-1])
         raise KeyboardInterrupt
 
     for number in (1, 2):
         save_checkpoint(tmp_path, Checkpoint({"a": number}, {"b": np.full(2, number)}, {}))
     with monkeypatch.context() as patch:
-        patch.setattr(Path, "replace", dies)
+        patch.setattr(Path, "write_text", dies)
         with pytest.raises(KeyboardInterrupt):
             save_checkpoint(tmp_path, Checkpoint({"a": 3}, {"b": np.full(2, 3)}, {}))
     found = load_checkpoint(tmp_path)
@@ -156,3 +164,29 @@ def test_objects_are_never_loaded(tmp_path: Path) -> None:
     arrays = {"b": np.array([{"an": "object"}], dtype=object)}
     with pytest.raises(ValueError, match="pickle"):
         save_checkpoint(tmp_path, Checkpoint({}, arrays, {}))
+
+
+def test_nothing_is_removed_or_renamed_where_it_is_forbidden(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in a sandboxed process, where somebody else drops what is old."""
+
+    def forbidden(*args: Any, **options: Any) -> None:
+        raise PermissionError
+
+    with monkeypatch.context() as patch:
+        for name in ("unlink", "rename", "replace", "rmdir", "remove"):
+            patch.setattr(module.PlainFolder, "remove", forbidden)
+            patch.setattr(f"os.{name}", forbidden)
+        for number in (1, 2):
+            save_checkpoint(tmp_path, Checkpoint({"a": number}, {"b": np.full(2, number)}, {}))
+    (tmp_path / "left").mkdir()
+    assert len(list(tmp_path.iterdir())) == 7
+    drop_older(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "arrays-1.npz",
+        "checkpoint-1.json",
+        "environment-1.npz",
+    ]
+    found = load_checkpoint(tmp_path)
+    assert found is not None and found.facts == {"a": 2}

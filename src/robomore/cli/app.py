@@ -13,6 +13,7 @@ from types import FrameType
 from cyclopts import App, CycloptsError
 
 from robomore import __version__
+from robomore.cli.output import tell
 from robomore.errors import InputError, Interrupted, RoboMoReError
 
 COMMANDS = {
@@ -79,10 +80,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return status if isinstance(status, int) else DONE
     except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # no traceback for users
         if debug:
-            traceback.print_exc()
+            tell(traceback.format_exc())
         message, status = _ending(error, given)
         if message:
-            sys.stderr.write(f"robomore: {message}\n")
+            tell(f"robomore: {message}\n")
         return status
 
 
@@ -128,7 +129,7 @@ class _Lines(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         said = " ".join(record.getMessage().split())
-        sys.stderr.write(f"robomore: {record.levelname.lower()}: {said}\n")
+        tell(f"robomore: {record.levelname.lower()}: {said}\n")
 
 
 @contextmanager

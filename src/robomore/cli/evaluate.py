@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,7 +18,7 @@ from robomore.cli.inputs import (
     read_reward,
     seed_number,
 )
-from robomore.cli.output import console, write_json
+from robomore.cli.output import console, write, write_json
 
 if TYPE_CHECKING:
     from robomore.types import Evaluation
@@ -150,4 +149,4 @@ def _print(evaluation: Evaluation) -> None:
         f"cost        {evaluation.steps:,} steps, {duration(evaluation.seconds)} of a core"
     )
     lines += [f"note        {note}" for note in evaluation.notes]
-    sys.stdout.write("\n".join(lines) + "\n")
+    write("\n".join(lines) + "\n")

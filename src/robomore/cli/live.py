@@ -19,6 +19,7 @@ from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.monitor import RunState
 from robomore.runs.words import EFFICIENCY_UNIT, duration, number
+from robomore.text import one_line
 from robomore.types import Evaluation, Place
 
 _BAR = 20
@@ -127,8 +128,7 @@ class PlainLines:
                 self._stage = state.stage
                 self._say(f"{state.stage}: {_several(state.asked, 'evaluation')} to begin with")
             case Proposed() if event.failure:
-                # A model's own words may be quoted in it.
-                why = "".join(c if c.isprintable() else " " for c in event.failure)[:_LONGEST]
+                why = one_line(event.failure)[:_LONGEST]
                 self._say(f"{event.slot}, attempt {event.slot.attempt + 1}: {why}")
             case Spent() if late:
                 self._say(f"{_spending(event)}; {_times(state)}")
@@ -140,7 +140,7 @@ class PlainLines:
 
     def _say(self, line: str) -> None:
         self._last = self._clock()
-        self._stream.write(line + "\n")
+        self._stream.write(one_line(line) + "\n")
         self._stream.flush()
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Group, Parameter
 
-from robomore.errors import InputError
+from robomore.cli.output import write
+from robomore.errors import InputError, ModelUnavailable
 
 if TYPE_CHECKING:
     from robomore.designers import LanguageModel, Replay
@@ -187,7 +187,7 @@ def forecast(task: Task, model: LanguageModel, settings: RunSettings) -> str:
 
 @llm.command
 def check(*, model: ModelOptions | None = None) -> None:
-    """Send two small requests: does the model answer, and does it keep to a form?"""
+    """Send two requests: does the model answer, read long prompts, and keep to a form?"""
     from robomore.llm import check as ask
     from robomore.llm import connect
     from robomore.llm.retry import RetryPolicy
@@ -201,12 +201,14 @@ def check(*, model: ModelOptions | None = None) -> None:
         asked.settings.sampling,
     )
     cost = "price unknown" if found.cost is None else f"${found.cost:.4f}"
-    sys.stdout.write(
+    write(
         f"model:   {found.model}\n"
-        f"answers: {found.reply or '(nothing)'}\n"
+        f"answers: {found.reply}\n"
         f"JSON:    {_STRUCTURED[found.structured]}\n"
         f"took:    {found.seconds:.1f} s, {found.tokens} tokens, {cost}\n"
     )
+    if found.prompt_cut:
+        raise ModelUnavailable(found.prompt_cut)
 
 
 def _price(given: str | None) -> tuple[float, float] | None:

@@ -59,17 +59,17 @@ def methods(*, as_json: Annotated[bool, Parameter("--json", negative="")] = Fals
     screen = console()
     for name, method, options in found:
         asks = "" if method.needs_designer else " (asks no designer)"
-        screen.print(f"[bold]{name}[/]  {method.summary}{asks}")
+        screen.print(name, style="bold", end="")
+        screen.print(f"  {method.summary}{asks}")
         for option in options:
             default = msgspec.json.encode(option.default).decode()
-            screen.print(f"  {option.name}={default}  ({option.type})", markup=False)
+            screen.print(f"  {option.name}={default}  ({option.type})")
             for line in textwrap.wrap(option.meaning, 72):
-                screen.print(f"      {line}", markup=False)
+                screen.print(f"      {line}")
         screen.print()
     screen.print(
         "These are the defaults; a preset sets some options to other values. Use them with\n"
         "robomore run TASK --method NAME --method-option OPTION=VALUE",
-        markup=False,
     )
 
 

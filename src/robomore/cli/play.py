@@ -10,6 +10,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from robomore.cli.inputs import positive
+from robomore.cli.output import tell, write
 
 
 def play(
@@ -59,15 +60,15 @@ def play(
     if out is None and not drawn and not beside and _has_screen():
         from robomore.rendering.window import show_in_window
 
-        sys.stdout.write(f"{said}; close the window to end\n")
+        write(f"{said}; close the window to end\n")
         sys.stdout.flush()
         if show_in_window(recordings[0]):
             return
-        sys.stderr.write("no window could be opened; writing a video instead\n")
+        tell("no window could be opened; writing a video instead\n")
     path = out or default_path(policies[0].name)
-    sys.stderr.write(f"writing {path} …\n")
+    tell(f"writing {path} …\n")
     write_video(recordings, path, seconds, drawn)
-    sys.stdout.write(f"{said}\nvideo: {path}\n")
+    write(f"{said}\nvideo: {path}\n")
 
 
 def _has_screen() -> bool:

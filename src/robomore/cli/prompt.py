@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from robomore.cli.output import write_json
+from robomore.cli.output import write, write_json
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -82,9 +81,9 @@ def prompt(
         write_json({"messages": sent, "schema": schema})
         return
     for message in messages:
-        sys.stdout.write(f"--- {message.role} ---\n{message.text}\n")
+        write(f"--- {message.role} ---\n{message.text}\n")
     if schema is not None:
-        sys.stdout.write(f"--- schema ---\n{json.dumps(schema, indent=2)}\n")
+        write(f"--- schema ---\n{json.dumps(schema, indent=2)}\n")
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group, Parameter
 
 from robomore.cli.inputs import seed_number
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen, forecast
-from robomore.cli.output import write_json
+from robomore.cli.output import tell, write, write_json
 from robomore.cli.run_options import Final, Machine, Search, Training, settings_of
 
 if TYPE_CHECKING:
@@ -72,7 +71,7 @@ def run(
     from robomore.experiment import run as start
 
     if isinstance(proposing, LanguageModel) and not quiet:
-        sys.stderr.write(forecast(wanted, proposing, settings) + "\n")
+        tell(forecast(wanted, proposing, settings) + "\n")
     with watched(quiet) as observe:
         found = start(
             wanted,
@@ -98,4 +97,4 @@ def run(
 
     print_outcome(found)
     if not found.final:
-        sys.stdout.write("\nThe time limit is over. The same command goes on from here.\n")
+        write("\nThe time limit is over. The same command goes on from here.\n")

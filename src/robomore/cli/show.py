@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from robomore.cli.output import console, write_json
+from robomore.cli.output import console, write, write_json
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -76,7 +75,7 @@ def report(
     """
     from robomore.report import write_report
 
-    sys.stdout.write(f"{write_report(_chosen(run, evaluation, reference), out)}\n")
+    write(f"{write_report(_chosen(run, evaluation, reference), out)}\n")
 
 
 def print_outcome(run: Run) -> None:
@@ -87,7 +86,7 @@ def print_outcome(run: Run) -> None:
     _print_designs(screen, run)
     _print_pairs(screen, run)
     _print_warnings(screen, run)
-    sys.stdout.write(
+    write(
         f"\nreport:   {run.folder / 'report.html'}\n"
         f"watch:    robomore play {run.folder}\n"
         f"details:  robomore show {run.folder}\n"
@@ -123,19 +122,18 @@ def _print_head(screen: Console, run: Run) -> None:
         f"{run.task.title}: preset {manifest.preset}, method {manifest.settings.method.name}"
         f"{designer}, seed {manifest.seed}, {'finished' if run.found else 'not finished'}",
         style="bold",
-        markup=False,
     )
-    screen.print(manifest.provenance, markup=False)
+    screen.print(manifest.provenance)
     champion = run.champion
     score = champion.score(run.objective) if champion else None
     if champion is None:
         screen.print("nothing has been trained yet")
     elif score is None:
         first = champion.evaluations[0]
-        screen.print(f"{champion.name}: {first.status}. {first.diagnosis}", markup=False)
+        screen.print(f"{champion.name}: {first.status}. {first.diagnosis}")
     elif run.headline is None:
         said = f"{champion.name}: {number(score.mean)} {unit_of(run.objective)}"
-        screen.print(said, markup=False)
+        screen.print(said)
     else:
         ratio = with_interval(run.headline, digits=3)
         screen.print(
@@ -143,7 +141,7 @@ def _print_head(screen: Console, run: Run) -> None:
             style="bold green" if run.headline.mean > 1 else "bold",
         )
     if run.pairs and run.pairs.champion:
-        screen.print(f"The champion is {run.pairs.champion}.", markup=False)
+        screen.print(f"The champion is {run.pairs.champion}.")
     screen.print()
 
 
@@ -196,7 +194,7 @@ def _print_pairs(screen: Console, run: Run) -> None:
         table.add_row(morphology, *(_cell(one.score(run.objective)) for one in row))
     screen.print()
     screen.print(table)
-    screen.print(run.pairs.verdict, markup=False)
+    screen.print(run.pairs.verdict)
 
 
 def _print_lineage(screen: Console, run: Run) -> None:
@@ -221,8 +219,8 @@ def _print_reward(screen: Console, run: Run) -> None:
     if run.champion is None:
         return
     reward = run.champion.design.reward
-    screen.print(f"\nreward: {reward.idea}".rstrip(": "), markup=False)
-    screen.print(reward.source.rstrip(), markup=False)
+    screen.print(f"\nreward: {reward.idea}".rstrip(": "))
+    screen.print(reward.source.rstrip())
 
 
 def _print_warnings(screen: Console, run: Run) -> None:
@@ -230,7 +228,7 @@ def _print_warnings(screen: Console, run: Run) -> None:
         screen.print("\nkeep in mind")
     for warning in run.warnings:
         if run.pairs is None or warning != run.pairs.verdict:
-            screen.print(f"- {warning}", style="yellow", markup=False)
+            screen.print(f"- {warning}", style="yellow")
 
 
 def _cell(measured: Spread | None) -> str:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from robomore.cli.output import console, write_json
+from robomore.cli.output import console, write, write_json
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -73,17 +72,17 @@ def export(
         _write_csv(rows, csv)
     elif parquet is not None:
         write_parquet(rows, parquet)
-        sys.stdout.write(f"{parquet}: {len(rows)} rows\n")
+        write(f"{parquet}: {len(rows)} rows\n")
 
 
 def _write_csv(rows: list[Row], path: Path) -> None:
     from robomore.runs.table import csv_text, write_csv
 
     if path == Path("-"):
-        sys.stdout.write(csv_text(rows))
+        write(csv_text(rows).replace("\r\n", "\n"))
         return
     write_csv(rows, path)
-    sys.stdout.write(f"{path}: {len(rows)} rows\n")
+    write(f"{path}: {len(rows)} rows\n")
 
 
 def _print(runs: tuple[Run, ...]) -> None:

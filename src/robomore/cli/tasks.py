@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from robomore.cli.inputs import read_parameters
-from robomore.cli.output import write_json
+from robomore.cli.output import write, write_json
 
 if TYPE_CHECKING:
     from robomore.tasks import Task
@@ -39,7 +38,7 @@ def tasks(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False)
         lines.append(f"{task.id:14} {len(task.parameters):10}  {volume:10.6f} m³  {goal}")
     lines.append("")
     lines.append("`robomore inspect TASK` shows a robot, `robomore run TASK` improves it.")
-    sys.stdout.write("\n".join(lines) + "\n")
+    write("\n".join(lines) + "\n")
 
 
 def inspect(
@@ -73,7 +72,7 @@ def inspect(
     values = read_parameters(chosen, parameters)
     if mjcf is not None:
         text = chosen.masked_mjcf if mjcf == "masked" else chosen.mjcf(values)
-        sys.stdout.write(text.rstrip() + "\n")
+        write(text.rstrip() + "\n")
         return
 
     from robomore.envs.compile import body_facts
@@ -100,7 +99,7 @@ def inspect(
         return
     _print_morphology(chosen, values, facts, union)
     if picture is not None:
-        sys.stdout.write(f"picture: {picture}\n")
+        write(f"picture: {picture}\n")
 
 
 def _as_data(task: Task) -> dict[str, Any]:
@@ -137,7 +136,8 @@ def _print_morphology(
     from robomore.runs.words import number
 
     screen = console()
-    screen.print(f"[bold]{task.title}[/]  {task.description}\n")
+    screen.print(task.title, style="bold", end="")
+    screen.print(f"  {task.description}\n")
     if screen.is_terminal:
         _print_picture(task, values)
     table = Table(box=None, pad_edge=False)

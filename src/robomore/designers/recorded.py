@@ -9,7 +9,8 @@ from robomore.designers.designer import Designer
 from robomore.errors import ProposalFailed, TimeLimitReached
 from robomore.events import Observer, Proposed, ignore
 from robomore.identity import content_key
-from robomore.store.ledger import Ledger, Proposal
+from robomore.store.ledger import Ledger
+from robomore.store.schema import Proposal
 from robomore.types import Evaluation, Morphology, Reward, Slot
 
 ATTEMPTS = 3

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Literal
-from urllib.parse import urlsplit, urlunsplit
 
 import msgspec
 
@@ -14,6 +13,7 @@ from robomore.designers.designer import Designer
 from robomore.designers.llm.designer import LLMSettings
 from robomore.errors import InputError
 from robomore.llm import ChatModel, ModelBudget
+from robomore.llm.redaction import public_url
 from robomore.registry import Registry
 from robomore.tasks.task import Task
 
@@ -63,7 +63,7 @@ class LanguageModel:
         """All that decides the proposals, as plain data without keys, passwords and limits."""
         return {
             "model": self.model.name,
-            "server": _public(self.server),
+            "server": public_url(self.server),
             "vision": self.vision,
             **msgspec.to_builtins(self.settings),
         }
@@ -99,9 +99,3 @@ def make_designer(name: str, task: Task, seed: int, objective: str = "efficiency
     if name in _WITH_SETTINGS:
         raise InputError(f"the designer {name!r} needs {_WITH_SETTINGS[name]}")
     return DESIGNERS.get(name)(task, seed, objective)
-
-
-def _public(url: str) -> str:
-    """Return a URL without the parts that may be secret."""
-    parts = urlsplit(url)
-    return urlunsplit((parts.scheme, parts.netloc.rpartition("@")[2], parts.path, "", ""))

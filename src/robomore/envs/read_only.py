@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from gymnasium.spaces import Box
 
-FORCES = frozenset({"cacc", "cfrc_int", "cfrc_ext"})
-"""Accelerations and forces that MuJoCo computes only when asked (`mj_rnePostConstraint`)."""
-
+from robomore.envs.data_fields import ON_REQUEST, REFUSED, refusal
 
 _PLAIN = frozenset({bool, int, float, str, bytes, tuple, type(None)})
 """Types of values that can be handed out as they are."""
@@ -25,7 +26,7 @@ class ReadOnly:
         self,
         target: Any,
         lasting: Callable[[np.ndarray[Any, Any]], bool] = lambda array: True,
-        on_forces: Callable[[], None] | None = None,
+        on_request: Callable[[int], None] | None = None,
         constant: bool = False,
     ) -> None:
         """Wrap `target`.
@@ -33,21 +34,27 @@ class ReadOnly:
         Args:
             target: an `MjModel`, an `MjData`, or a part of one.
             lasting: whether an array stays where it is for as long as `target` lives.
-            on_forces: called when one of `FORCES` is looked up for the first time.
-            constant: whether its numbers never change, so that they too are looked up once.
+            on_request: called with the place of its function in `REQUESTS` when a field that
+                MuJoCo computes on request is looked up for the first time; only for data, of
+                which some fields are refused.
+            constant: whether its numbers never change, so that they are looked up once, and arrays
+                are copies.
         """
         attributes = self.__dict__
         attributes["_target"] = target
         attributes["_lasting"] = lasting
-        attributes["_on_forces"] = on_forces
+        attributes["_on_request"] = on_request
         attributes["_constant"] = constant
 
     def __getattr__(self, name: str) -> Any:
         attributes = self.__dict__
         if name.startswith("__") or "_target" not in attributes:
             raise AttributeError(name)  # copying asks before anything is there
-        if name in FORCES and self._on_forces is not None:
-            self._on_forces()
+        if self._on_request is not None:
+            if name in REFUSED:
+                raise AttributeError(refusal(name))
+            if name in ON_REQUEST:
+                self._on_request(ON_REQUEST[name])
         value = getattr(self._target, name)
         if type(value) in _PLAIN:
             if self._constant:
@@ -77,13 +84,13 @@ class ReadOnly:
 
     def _wrap(self, value: Any) -> Any:
         if isinstance(value, np.ndarray):
-            view = value.view()
+            view = value.copy() if self._constant else value.view()
             view.flags.writeable = False
             return view
         if type(value) in _PLAIN or isinstance(value, np.generic):
             return value
         if type(value).__module__.startswith("mujoco"):
-            return ReadOnly(value, self._lasting, self._on_forces, self._constant)
+            return ReadOnly(value, self._lasting, self._on_request, self._constant)
         return _Method(value, self._wrap) if callable(value) else value
 
 
@@ -105,12 +112,13 @@ class _Method:
         return found
 
 
-def read_only_data(data: Any, on_forces: Callable[[], None]) -> ReadOnly:
+def read_only_data(data: Any, on_request: Callable[[int], None]) -> ReadOnly:
     """Return a read-only view of an `MjData`.
 
     Args:
         data: the live one.
-        on_forces: must see to it that `FORCES` are computed from now on.
+        on_request: is given a place in `REQUESTS`, and must see to it that this function is called
+            now and after every step from now on.
     """
     # qpos comes first in MuJoCo's fixed buffer; arrays elsewhere (contacts, constraints) move.
     start = data.qpos.ctypes.data
@@ -118,4 +126,38 @@ def read_only_data(data: Any, on_forces: Callable[[], None]) -> ReadOnly:
     def lasting(array: np.ndarray[Any, Any]) -> bool:
         return bool(0 <= array.ctypes.data - start < data.nbuffer)
 
-    return ReadOnly(data, lasting, on_forces)
+    return ReadOnly(data, lasting, on_request)
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """What a reward sees of a space: its numbers, and no random generator.
+
+    Attributes:
+        low: least values.
+        high: greatest values.
+        shape: of both.
+        dtype: of both.
+    """
+
+    low: np.ndarray[Any, Any]
+    high: np.ndarray[Any, Any]
+    shape: tuple[int, ...]
+    dtype: Any
+
+
+def protect(value: Any) -> Any:
+    """Return an attribute of a robot's environment as something that nobody can change."""
+    if isinstance(value, np.ndarray):
+        copy = value.copy()
+        copy.flags.writeable = False
+        return copy
+    if isinstance(value, dict):
+        return MappingProxyType({name: protect(item) for name, item in value.items()})
+    if isinstance(value, list | tuple):
+        return tuple(protect(item) for item in value)
+    if isinstance(value, set):
+        return frozenset(value)
+    if isinstance(value, Box):
+        return Bounds(protect(value.low), protect(value.high), value.shape, value.dtype)
+    return value

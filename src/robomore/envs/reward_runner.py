@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import linecache
 import math
 import traceback
@@ -13,21 +12,26 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs import reward_state
-from robomore.envs.read_only import ReadOnly, read_only_data
+from robomore.envs.read_only import ReadOnly, protect, read_only_data
+from robomore.envs.reward_objects import FixedObjects
+from robomore.envs.reward_program import REWARD_FILENAME, RewardInstance, RewardProgram
+from robomore.envs.reward_restore import load
+from robomore.envs.reward_state import UnsavedStateError, dump
 from robomore.envs.robots.base import Array, RewardFunction, RobotEnvironment
 from robomore.envs.term_record import TermRecord, as_number
 from robomore.errors import RewardFailed
 from robomore.types import TermStatistics
 
-REWARD_FILENAME = "<reward>"
-"""The name under which a reward's text is compiled, and its lines stand in tracebacks."""
-
 _LONGEST = 500
 """Characters of a reward's own words that a diagnosis repeats."""
 
+_NAMES = "a name is one line of printable characters;"
+
 _INDEX = "_simulation_index"
 """Attribute of `self` that holds the number of its simulation."""
+
+_DELETED = "_deleted"
+"""Name in a checkpoint for the attributes of `self` that the reward took away."""
 
 
 class RewardRunner:
@@ -35,7 +39,8 @@ class RewardRunner:
 
     `self` is a copy of the robot's environment, so everything that the official class offers is
     there, on data of that simulation which can be read and not changed. What the reward keeps in
-    `self` is its own, one per simulation, and gone when an episode ends.
+    `self` is its own, one per simulation, and gone when an episode ends. What it keeps elsewhere,
+    in a list at the top level, say, is also one per simulation, and lasts for the whole training.
     """
 
     def __init__(
@@ -44,35 +49,45 @@ class RewardRunner:
         environment: RobotEnvironment,
         data: Sequence[mujoco.MjData],
         generators: Sequence[np.random.Generator],
-        on_forces: Callable[[], None],
+        on_request: Callable[[int], None],
     ) -> None:
         """Prepare one `self` per simulation.
 
         Args:
-            reward: `_get_rew(self, x_velocity, action)`.
+            reward: `_get_rew(self, x_velocity, action)`. A `RewardProgram` is executed for each
+                simulation; all simulations share any other function, whose own state is not known.
             environment: what `self` is a copy of.
             data: of each simulation.
             generators: of each simulation, for rewards that use `self.np_random`.
-            on_forces: called once the reward looks at forces that MuJoCo computes only when asked.
+            on_request: see `read_only_data`.
         """
-        self._reward = reward
+        count = len(data)
+        self._instances: list[RewardInstance | None] = [None] * count
+        self._rewards: list[RewardFunction] = [reward] * count
+        if isinstance(reward, RewardProgram):
+            instances = [reward.instance() for _ in data]
+            self._instances = [*instances]
+            self._rewards = [one.function for one in instances]
+        self._fixed = [FixedObjects(one) for one in self._instances]
         self._terms = TermRecord()
-        self._health: list[Any] = [True] * len(data)
-        robot, self._health_type = _with_known_health(environment, self._health)
-        inherited = {name: _protect(value) for name, value in vars(environment).items()}
+        self._steps = [0]
+        self._health: list[Any] = [True] * count
+        robot, self._health_type = _robot_class(environment, self._health, self._steps)
+        inherited = {name: protect(value) for name, value in vars(environment).items()}
         inherited["mujoco_renderer"] = None  # it holds the writable data
         inherited["model"] = ReadOnly(environment.model, constant=True)
+        inherited["metadata"] = protect(environment.metadata)
         self._fresh = [
             {
                 **inherited,
-                "data": read_only_data(one, on_forces),
+                "data": read_only_data(one, on_request),
                 "_np_random": generator,
                 _INDEX: index,
             }
             for index, (one, generator) in enumerate(zip(data, generators, strict=True))
         ]
         self._selves: list[Any] = [object.__new__(robot) for _ in data]
-        for index in range(len(data)):
+        for index in range(count):
             self.reset(index)
 
     def __call__(self, x_velocity: Array, actions: Array, healthy: NDArray[np.bool_]) -> Array:
@@ -87,21 +102,29 @@ class RewardRunner:
             RewardFailed: with a diagnosis for the designer.
         """
         self._health[:] = map(self._health_type, healthy)
-        reward, record, isfinite = self._reward, self._terms.add, math.isfinite
+        record, isfinite = self._terms.add, math.isfinite
         rewards: list[float] = []
-        for robot, speed, action in zip(self._selves, x_velocity, actions, strict=True):
+        for reward, robot, speed, action in zip(
+            self._rewards, self._selves, x_velocity, actions, strict=True
+        ):
             try:
-                result = reward(robot, speed, action)
+                # A copy, so that no simulation's action leads to another's.
+                result = reward(robot, speed, action.copy())
             except (Exception, SystemExit) as error:
                 what = f"raised {self._explain(error)}"
                 raise self._failed(what, len(rewards), speed, action) from error
             if type(result) is tuple and len(result) == 2:
                 value, terms = as_number(result[0]), result[1]
                 if value is not None and isfinite(value) and isinstance(terms, Mapping):
+                    try:
+                        record(terms)
+                    except ValueError as error:
+                        said = f"names a term wrongly: {error}; {_NAMES}"
+                        raise self._failed(said, len(rewards), speed, action) from None
                     rewards.append(value)
-                    record(terms)
                     continue
             raise self._failed(_fault(result), len(rewards), speed, action)
+        self._steps[0] += len(rewards)
         return np.array(rewards)
 
     def reset(self, index: int) -> None:
@@ -119,34 +142,55 @@ class RewardRunner:
         return self._terms.sums()
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """Return the terms' statistics and what the reward keeps in each `self`.
+        """Return the terms' statistics and what the reward keeps for each simulation.
 
         Raises:
             RewardFailed: the reward keeps something that cannot be written down.
         """
-        try:
-            kept = [reward_state.dump(self._kept(index)) for index in range(len(self._selves))]
-        except TypeError as error:
-            raise RewardFailed(f"The reward keeps state that cannot be saved: {error}.") from None
+        kept = [self._dump(index) for index in range(len(self._selves))]
         return {
             **self._terms.state(),
+            "steps": np.array(self._steps, np.int64),
             "kept": np.frombuffer(b"".join(kept), np.uint8),
             "kept_sizes": np.array([len(text) for text in kept], np.int64),
         }
 
     def restore(self, state: dict[str, NDArray[Any]]) -> None:
-        """Continue from what `state` returned."""
+        """Continue from what `state` returned, before any call.
+
+        Raises:
+            RewardFailed: the reward is not the same each time that it is executed.
+        """
         self._terms.restore(state)
+        self._steps[0] = int(state["steps"][0])
         ends = np.cumsum(state["kept_sizes"])
         for index, text in enumerate(np.split(state["kept"], ends[:-1])):
             self.reset(index)
-            vars(self._selves[index]).update(reward_state.load(text.tobytes()))
+            fixed, known = self._fixed[index], self._known(index)
+            try:
+                kept = load(text.tobytes(), self._instances[index], fixed, known)
+            except ValueError as error:
+                raise RewardFailed(f"The reward cannot be continued: {error}.") from None
+            own = vars(self._selves[index])
+            for name in kept.pop(_DELETED):
+                own.pop(name, None)
+            own.update(kept)
 
-    def _kept(self, index: int) -> dict[str, Any]:
-        """Return what the reward keeps in the `self` of simulation `index`, by name."""
-        fresh = self._fresh[index]
-        own = vars(self._selves[index]).items()
-        return {name: value for name, value in own if fresh.get(name, self) is not value}
+    def _dump(self, index: int) -> bytes:
+        fresh, own = self._fresh[index], vars(self._selves[index])
+        kept = {name: value for name, value in own.items() if fresh.get(name, self) is not value}
+        kept[_DELETED] = sorted(fresh.keys() - own.keys())
+        instance = self._instances[index]
+        try:
+            return dump(instance, self._fixed[index], kept, self._known(index))
+        except UnsavedStateError as error:
+            line = instance.program.line_of(error.name) if instance else 0
+            where = f" (line {line})" if line else ""
+            raise RewardFailed(f"The reward keeps what cannot be saved: {error}{where}.") from None
+
+    def _known(self, index: int) -> dict[str, Any]:
+        """Return what a checkpoint names and does not hold: objects of the simulation."""
+        return {**self._fresh[index], "self": self._selves[index]}
 
     def _failed(self, what: str, index: int, x_velocity: Any, action: Array) -> RewardFailed:
         data = self._fresh[index]["data"]
@@ -162,7 +206,7 @@ class RewardRunner:
 
     def _explain(self, error: BaseException) -> str:
         """Return what an exception says, and in which line of the reward it arose."""
-        code = getattr(inspect.unwrap(self._reward), "__code__", None)
+        code = getattr(self._rewards[0], "__code__", None)
         files = {REWARD_FILENAME, getattr(code, "co_filename", REWARD_FILENAME)}
         frames = [
             (frame.f_code.co_filename, number)
@@ -176,30 +220,28 @@ class RewardRunner:
         return f"{said} (line {number}: `{linecache.getline(filename, number).strip()}`)"
 
 
-def _with_known_health(
-    environment: RobotEnvironment, health: Sequence[Any]
+def _robot_class(
+    environment: RobotEnvironment, health: Sequence[Any], steps: Sequence[int]
 ) -> tuple[type, Callable[[Any], Any]]:
-    """Return a robot's class whose `is_healthy` is read from `health`, and the type of its values.
+    """Return a robot's class as rewards see it, and the type of the values of `is_healthy`.
 
-    The official property computes anew for one simulation what `VectorEnv` has just computed for
-    all of them, and most rewards ask for it. A class that does not say health for many
-    simulations at once keeps its own property.
+    `training_steps` is read from `steps`, and `is_healthy` from `health`: the official property
+    computes anew for one simulation what `VectorEnv` has just computed for all of them, and most
+    rewards ask for it. A class that does not say health for many simulations at once keeps its own
+    property.
     """
     robot = type(environment)
+    attributes: dict[str, Any] = {
+        "training_steps": property(lambda self: steps[0]),
+        "__module__": robot.__module__,
+        "__doc__": robot.__doc__,
+    }
+    kind: Callable[[Any], Any] = bool
     official = getattr(robot, "is_healthy", None)
-    if not (robot.judges_health() and isinstance(official, property) and official.fget):
-        return robot, bool
-    known = property(lambda self: health[getattr(self, _INDEX)])
-    attributes = {"is_healthy": known, "__module__": robot.__module__, "__doc__": robot.__doc__}
-    return type(robot.__name__, (robot,), attributes), type(official.fget(environment))
-
-
-def _protect(value: Any) -> Any:
-    if not isinstance(value, np.ndarray):
-        return value
-    copy = value.copy()
-    copy.flags.writeable = False
-    return copy
+    if robot.judges_health() and isinstance(official, property) and official.fget:
+        attributes["is_healthy"] = property(lambda self: health[getattr(self, _INDEX)])
+        kind = type(official.fget(environment))
+    return type(robot.__name__, (robot,), attributes), kind
 
 
 def _fault(result: Any) -> str:
@@ -213,7 +255,14 @@ def _fault(result: Any) -> str:
         return f"returned {_shown(value)} in the place of the number; {wanted}"
     if not isinstance(terms, Mapping):
         return f"returned {_shown(terms)} in the place of the terms; {wanted}"
-    return f"was {number} with the terms {_shown(terms)}; it must be finite;"
+    parts = {str(name)[:80]: as_number(term) for name, term in terms.items()}
+    faulty = [
+        f"{name!r} was {part}"
+        for name, part in parts.items()
+        if part is not None and not math.isfinite(part)
+    ]
+    which = f" (the term {', '.join(faulty[:3])})" if faulty else ""
+    return f"was {number}{which} with the terms {_shown(terms)}; it must be finite;"
 
 
 def _shown(value: Any) -> str:

@@ -6,20 +6,11 @@ and not in `rewards` because `registration` needs it, and `envs` may not import 
 """
 
 from __future__ import annotations
-import __future__
 
-import linecache
-import math
-from typing import Any
-
-import numpy as np
-
-from robomore.envs.reward_runner import REWARD_FILENAME
-from robomore.envs.robots.base import RewardFunction
-from robomore.errors import InvalidReward
+from robomore.envs.reward_program import RewardProgram
 
 
-def reward_function(source: str) -> RewardFunction:
+def reward_function(source: str) -> RewardProgram:
     """Execute `source` and return its `_get_rew(self, x_velocity, action)`.
 
     `np`, `numpy` and `math` are there without an import.
@@ -27,21 +18,6 @@ def reward_function(source: str) -> RewardFunction:
     Raises:
         InvalidReward: it does not parse, or defines no such function.
     """
-    linecache.cache[REWARD_FILENAME] = (
-        len(source),
-        None,
-        source.splitlines(keepends=True),
-        REWARD_FILENAME,
-    )
-    flags = __future__.annotations.compiler_flag
-    try:
-        code = compile(source, REWARD_FILENAME, "exec", flags=flags, dont_inherit=True)
-    except (SyntaxError, ValueError) as error:
-        raise InvalidReward(f"the reward does not parse: {error}") from None
-    namespace: dict[str, Any] = {"__name__": "reward", "np": np, "numpy": np, "math": math}
-    exec(code, namespace)
-    function = namespace.get("_get_rew")
-    if not callable(function):
-        raise InvalidReward("the reward defines no function `_get_rew(self, x_velocity, action)`")
-    loaded: RewardFunction = function
-    return loaded
+    program = RewardProgram(source)
+    program.instance()
+    return program

@@ -15,6 +15,13 @@ from robomore.types import TermStatistics
 _MOST_TERMS = 64
 """Terms beyond so many are not recorded: names made up in every step must not fill the memory."""
 
+_LONGEST_NAME = 80
+"""Characters of a name that a message repeats."""
+
+_SCALE = 2.0**-64
+"""Sums are kept in this unit, so that those of very large terms stay finite. A power of two: no
+digit is lost."""
+
 
 class TermRecord:
     """What is known of each term that was ever a finite number.
@@ -23,10 +30,14 @@ class TermRecord:
     """
 
     def __init__(self) -> None:
-        self._terms: dict[str, list[float]] = {}  # name -> count, sum, low, high
+        self._terms: dict[str, list[float]] = {}  # name -> count, scaled sum, low, high
 
     def add(self, terms: Mapping[Any, Any]) -> None:
-        """Record the terms of one call; what is not one finite number does not count."""
+        """Record the terms of one call; what is not one finite number does not count.
+
+        Raises:
+            ValueError: a name is not one line of printable characters.
+        """
         known, isfinite = self._terms, math.isfinite
         for name, term in terms.items():
             value = term if type(term) is float else as_number(term)
@@ -35,24 +46,28 @@ class TermRecord:
             record = known.get(name)
             if record is not None:
                 record[0] += 1
-                record[1] += value
+                record[1] += value * _SCALE
                 if value < record[2]:
                     record[2] = value
                 elif value > record[3]:
                     record[3] = value
             elif isinstance(name, str) and len(known) < _MOST_TERMS:
-                known[name] = [1, value, value, value]
+                if not name.isprintable():
+                    raise ValueError(f"{name[:_LONGEST_NAME]!r} is no name of a term")
+                known[name] = [1, value * _SCALE, value, value]
 
     def statistics(self) -> dict[str, TermStatistics]:
         """Return mean, low and high by name."""
         return {
-            name: TermStatistics(total / count, low, high)
+            name: TermStatistics(min(max(total / count / _SCALE, low), high), low, high)
             for name, (count, total, low, high) in self._terms.items()
         }
 
     def sums(self) -> dict[str, tuple[int, float]]:
-        """Return count and sum by name."""
-        return {name: (int(count), total) for name, (count, total, _, _) in self._terms.items()}
+        """Return count and sum by name; the sum is infinite where it is beyond all floats."""
+        return {
+            name: (int(count), total / _SCALE) for name, (count, total, _, _) in self._terms.items()
+        }
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything, as arrays."""

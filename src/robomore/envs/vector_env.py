@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.data_fields import REQUESTS
 from robomore.envs.gather import Gather, Scatter
 from robomore.envs.random_state import generator_state, seed_generator, set_generator_state
 from robomore.envs.reward_runner import RewardRunner
@@ -105,7 +106,8 @@ class VectorEnv:
         self.data = [mujoco.MjData(self.model) for _ in range(num_envs)]
         self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(num_envs)]
         self._controls = Scatter([one.ctrl for one in self.data])
-        self._forces_observed = self._forces_needed = self.environment.observes_forces
+        self._forces_observed = self.environment.observes_forces
+        self._requested = [self._forces_observed, False]  # which of `REQUESTS` each step is to do
         nq, nv = self.model.nq, self.model.nv
         self._rows = Gather(
             [
@@ -135,7 +137,7 @@ class VectorEnv:
         self._runner: RewardRunner | None = None
         if reward is not None:
             self._runner = RewardRunner(
-                reward, self.environment, self.data, self._generators, self._need_forces
+                reward, self.environment, self.data, self._generators, self._request
             )
 
     @property
@@ -192,9 +194,10 @@ class VectorEnv:
         before = self._position.copy()
         self._controls.write(applied)
         self._simulate()
-        if self._forces_needed:
-            for data in self.data:
-                mujoco.mj_rnePostConstraint(self.model, data)
+        for compute, requested in zip(REQUESTS, self._requested, strict=True):
+            if requested:
+                for data in self.data:
+                    compute(self.model, data)
         self._gather()
         diverged = self._settle_diverged()
 
@@ -256,7 +259,7 @@ class VectorEnv:
             "elapsed": self.elapsed,
             "over": self._over.copy(),
             "last_qpos": self._last_qpos.copy(),
-            "counts": np.array([self.divergences, self._episodes, self._forces_needed], np.int64),
+            "counts": np.array([self.divergences, self._episodes, *self._requested], np.int64),
             "generators": np.stack([generator_state(one) for one in self._generators]),
         }
         runner = {} if self._runner is None else self._runner.state()
@@ -276,7 +279,7 @@ class VectorEnv:
         self._over = state["over"].copy()
         self._last_qpos = state["last_qpos"].copy()
         self.divergences, self._episodes = (int(count) for count in state["counts"][:2])
-        self._forces_needed = bool(state["counts"][2])
+        self._requested = [bool(requested) for requested in state["counts"][2:]]
         for generator, words in zip(self._generators, state["generators"], strict=True):
             set_generator_state(generator, words)
         if self._runner is not None:
@@ -299,12 +302,12 @@ class VectorEnv:
         if self._forces_observed:
             self._forces.read()
 
-    def _need_forces(self) -> None:
-        """Compute contact forces now and after every step from now on."""
-        if not self._forces_needed:
-            self._forces_needed = True
+    def _request(self, place: int) -> None:
+        """Call a function of `REQUESTS` now and after every step from now on."""
+        if not self._requested[place]:
+            self._requested[place] = True
             for data in self.data:
-                mujoco.mj_rnePostConstraint(self.model, data)
+                REQUESTS[place](self.model, data)
 
     def _begin(self, index: int) -> None:
         """Start an episode just as the official environment does, with its own code."""
@@ -347,6 +350,9 @@ class VectorEnv:
             data = self.data[index]
             mujoco.mj_resetData(self.model, data)
             mujoco.mj_forward(self.model, data)
+            for compute, requested in zip(REQUESTS, self._requested, strict=True):
+                if requested:
+                    compute(self.model, data)
             self._rows.read_one(index)
             self._forces.read_one(index)
         return bool(self.diverged.any())

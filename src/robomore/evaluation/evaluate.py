@@ -6,10 +6,10 @@ loaded here, so it cannot reach the numbers.
 
 from __future__ import annotations
 
-import shutil
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,12 +22,16 @@ from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import choose, measure
 from robomore.evaluation.request import Answer, Request, believed
 from robomore.evaluation.train import POLICIES
+from robomore.plain_files import PlainFolder
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.tasks import TASKS, Task
 from robomore.tasks.fingerprint import task_key
+from robomore.text import to_json
+from robomore.training.checkpoint import drop_older
 from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.policy import MLPPolicy
+from robomore.training.settings import settings_from
 from robomore.training.warm import Shape
 from robomore.types import Evaluation, Job, Status
 
@@ -35,7 +39,7 @@ from robomore.types import Evaluation, Job, Status
 def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
     """Do an encoded `Request`; returns an encoded `Answer`. What executors call."""
     request = msgspec.json.decode(payload, type=Request)
-    return msgspec.json.encode(evaluate(request, progress))
+    return to_json(evaluate(request, progress))
 
 
 def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
@@ -49,9 +53,11 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     job, key = request.job, request.key
     scratch = Path(request.scratch)
     policy: MLPPolicy | None = None
-    shutil.rmtree(scratch, ignore_errors=True)
+    scratch.parent.mkdir(parents=True, exist_ok=True)
+    above = PlainFolder(scratch.parent, follow=False)
     try:
-        scratch.mkdir(parents=True)
+        above.remove(scratch.name)
+        above.make(scratch.name)
         evaluation, policy = _evaluate(request, _task(job), scratch, progress)
     except InvalidMorphology as error:
         evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
@@ -62,7 +68,8 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     except Exception:  # noqa: BLE001  # a fault of ours costs one candidate and keeps its traceback
         evaluation = Evaluation(key, job, Status.FAILED, traceback.format_exc())
     finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+        with suppress(OSError):  # the next training here tries again, and fails if it must
+            above.remove(scratch.name)
     own_seconds = time.process_time() - began
     evaluation = replace(evaluation, seconds=evaluation.seconds + own_seconds)
     return Answer(evaluation, policy.to_bytes() if policy else b"")
@@ -97,7 +104,7 @@ def _evaluate(
     compiled = compiled_trainer(shape, containment)
     trained = run_sandboxed(
         "robomore.evaluation.train:train",
-        msgspec.json.encode(request),
+        to_json(request),
         scratch,
         job.limits,
         writable=[Path(request.checkpoint)] if request.checkpoint else [],
@@ -106,6 +113,9 @@ def _evaluate(
         environment={CACHE_VARIABLE: str(compiled)} if compiled else {},
         mode=containment,
     )
+    if request.checkpoint:
+        # It may not remove anything itself: what it can remove, it could hide.
+        drop_older(Path(request.checkpoint))
     if trained.status is not Status.OK:
         failed = Evaluation(
             key, job, trained.status, trained.diagnosis, body=body, seconds=trained.seconds
@@ -113,14 +123,11 @@ def _evaluate(
         return failed, None
     try:
         training = believed(trained.reply)
-        policies = [MLPPolicy.load(path) for path in sorted(scratch.glob(POLICIES))[-_MOST:]]
-        if not policies:
-            raise ValueError("no policy")
+        policy = choose(task, parameters, _policies(job, robot, scratch), job.seed)
     except ValueError as error:
         said = f"training ended without a fault and left nothing that can be used: {error}"
         failed = Evaluation(key, job, Status.CRASHED, said, body=body, seconds=trained.seconds)
         return failed, None
-    policy = choose(task, parameters, policies, job.seed)
     measured = measure(task, parameters, policy, job.episodes, job.seed)
     volume = task.volume(parameters)
     evaluation = Evaluation(
@@ -140,6 +147,22 @@ def _evaluate(
         curve=training.curve,
     )
     return evaluation, policy
+
+
+def _policies(job: Job, robot: VectorEnv, scratch: Path) -> Iterator[MLPPolicy]:
+    """Yield what the sandboxed process left, one at a time, the latest last.
+
+    Raises:
+        ValueError: one of them is no policy such as this trainer leaves.
+    """
+    hidden = getattr(settings_from(job.trainer), "net_arch", None)
+    for path in sorted(scratch.glob(POLICIES))[-_MOST:]:
+        policy = MLPPolicy.load(path)
+        if policy.sizes[0] != robot.observation_size or policy.sizes[-1] != robot.action_size:
+            raise ValueError(f"{path.name} does not fit the robot")
+        if hidden is not None and policy.sizes[1:-1] != tuple(hidden):
+            raise ValueError(f"{path.name} has other layers than this trainer's")
+        yield policy
 
 
 _MOST = 16

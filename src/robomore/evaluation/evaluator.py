@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import logging
-import shutil
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-
-import msgspec
 
 from robomore.errors import NoWorker, RunFolderError, TimeLimitReached
-from robomore.evaluation.request import Answer, Request
+from robomore.evaluation.request import Request, checked_answer
 from robomore.events import BatchBegan, Finished, Observer, Progressed, Started, ignore
 from robomore.executors.executor import Executor, Failed, Outcome, Progress, never
 from robomore.identity import content_key, derive_seed, job_key, training_key
@@ -21,6 +17,7 @@ from robomore.store.ledger import Ledger
 from robomore.store.rundir import RunFolder
 from robomore.tasks.fingerprint import task_key
 from robomore.tasks.task import Task
+from robomore.text import to_json
 from robomore.training.policy import POLICY, MLPPolicy
 from robomore.training.tuned import resolve
 from robomore.types import (
@@ -191,7 +188,7 @@ class Evaluator:
                 self.ledger.add_evaluation(evaluation)
                 job, place = missing[evaluation.key]
                 if not leave_checkpoints:
-                    shutil.rmtree(self._checkpoint(job), ignore_errors=True)
+                    self._discard(self._checkpoint(job))
                 done[evaluation.key] = evaluation
                 self.observe(Finished(evaluation, place, known=False))
         return done
@@ -202,8 +199,7 @@ class Evaluator:
         """Yield evaluation and policy of each job as it is done. Nothing is written down."""
         keys = list(jobs)
         payloads = [
-            msgspec.json.encode(self._request(key, job, leave_checkpoints))
-            for key, job in jobs.items()
+            to_json(self._request(key, job, leave_checkpoints)) for key, job in jobs.items()
         ]
         wall_seconds = max((job.limits.wall_seconds for job in jobs.values()), default=0.0)
         timeout = wall_seconds + _GRACE_SECONDS
@@ -218,35 +214,45 @@ class Evaluator:
         """Write the policy into the run's folder, whole or not at all; return where it is."""
         if not policy:
             return evaluation
-        artifact = self.folder.artifacts / evaluation.key
-        partial = artifact.with_name(artifact.name + ".partial")
-        shutil.rmtree(partial, ignore_errors=True)
-        partial.mkdir(parents=True)
-        (partial / POLICY).write_bytes(policy)
-        shutil.rmtree(artifact, ignore_errors=True)
-        partial.replace(artifact)
-        return replace(evaluation, artifact=artifact.name)
+        files, artifact = self.folder.files, f"{self.folder.artifacts.name}/{evaluation.key}"
+        files.remove(f"{artifact}.partial")
+        files.make(f"{artifact}.partial")
+        files.write(f"{artifact}.partial/{POLICY}", policy)
+        files.replace(f"{artifact}.partial", artifact)
+        return replace(evaluation, artifact=evaluation.key)
 
     def _request(self, key: str, job: Job, leave_checkpoint: bool) -> Request:
         checkpoint = self._checkpoint(job)
-        continues = leave_checkpoint or checkpoint.exists()
+        files = self.folder.files
+        continues = leave_checkpoint or files.kind(checkpoint) == "folder"
+        files.make(self.folder.scratch.name)
+        if continues:
+            files.make(checkpoint)
+            files.check(checkpoint)
         return Request(
             job=job,
             key=key,
             scratch=str(self.folder.scratch / key),
-            checkpoint=str(checkpoint) if continues else "",
+            checkpoint=str(self.folder.path / checkpoint) if continues else "",
             containment=self.containment,
         )
 
-    def _checkpoint(self, job: Job) -> Path:
-        """Return where a training rests between two shares of its steps."""
-        return self.folder.checkpoints / training_key(job, self.versions)
+    def _checkpoint(self, job: Job) -> str:
+        """Return where in the run's folder a training rests between two shares of its steps."""
+        return f"{self.folder.checkpoints.name}/{training_key(job, self.versions)}"
 
     def _drop_checkpoints(self, but: Sequence[Job]) -> None:
         wanted = {self._checkpoint(job) for job in but}
-        for path in self.folder.checkpoints.glob("*"):
-            if path not in wanted:
-                shutil.rmtree(path, ignore_errors=True)
+        folder = self.folder.checkpoints.name
+        for name in self.folder.files.names(folder):
+            if f"{folder}/{name}" not in wanted:
+                self._discard(f"{folder}/{name}")
+
+    def _discard(self, name: str) -> None:
+        try:
+            self.folder.files.remove(name)
+        except OSError as error:
+            log.warning("%s cannot be removed (%s)", self.folder.path / name, error.strerror)
 
     def _job(self, trial: Trial, budget: Budget, budget_fraction: float) -> Job:
         parameters, source = trial.design.morphology.parameters, trial.design.reward.source
@@ -293,11 +299,8 @@ def _answer(key: str, job: Job, outcome: Outcome) -> tuple[Evaluation, bytes]:
         status = Status.TIMED_OUT if outcome.timed_out else Status.CRASHED
         return Evaluation(key, job, status, outcome.reason), b""
     try:
-        answer = msgspec.json.decode(outcome.reply, type=Answer)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        answer = checked_answer(outcome.reply, key, job)
+    except ValueError as error:
         said = f"the worker's answer cannot be read: {error}"
-        return Evaluation(key, job, Status.FAILED, said), b""
-    if answer.evaluation.key != key:
-        said = f"the worker answered for {answer.evaluation.key[:24]!r}"
         return Evaluation(key, job, Status.FAILED, said), b""
     return answer.evaluation, answer.policy

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from statistics import fmean
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from robomore.envs.measured_env import MeasuredEnv
-from robomore.errors import TrainingDiverged
+from robomore.errors import TrainingDiverged, UnstableSimulation
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
 from robomore.training.policy import MLPPolicy
@@ -36,24 +41,36 @@ class Measurement:
 
 
 def choose(
-    task: Task, parameters: tuple[float, ...], policies: Sequence[MLPPolicy], seed: int
+    task: Task, parameters: tuple[float, ...], policies: Iterable[MLPPolicy], seed: int
 ) -> MLPPolicy:
     """Return the policy with the best fitness in episodes that no measurement uses.
 
     Args:
         task: says what fitness is.
         parameters: of the morphology.
-        policies: from one training, the latest last; among equals the latest is taken.
+        policies: from one training, the latest last; among equals the latest is taken. Two at most
+            are held at a time.
         seed: as for `measure`.
 
     Raises:
         TrainingDiverged, UnstableSimulation: see `measure`.
+        ValueError: there is none.
     """
-    if len(policies) == 1:
-        return policies[0]
     apart = derive_seed(seed, "choice")
-    worth = [measure(task, parameters, one, _CHOICE_EPISODES, apart).fitness for one in policies]
-    return max(zip(worth, range(len(worth)), policies, strict=True), key=lambda one: one[:2])[2]
+    best: MLPPolicy | None = None
+    worth: float | None = None
+    for policy in policies:
+        if best is None:
+            best = policy
+            continue
+        if worth is None:
+            worth = measure(task, parameters, best, _CHOICE_EPISODES, apart).fitness
+        fitness = measure(task, parameters, policy, _CHOICE_EPISODES, apart).fitness
+        if fitness >= worth:
+            best, worth = policy, fitness
+    if best is None:
+        raise ValueError("no policy")
+    return best
 
 
 def measure(
@@ -69,20 +86,16 @@ def measure(
         seed: the episodes' own seeds are derived from it.
 
     Raises:
-        TrainingDiverged: the policy does not fit the robot (the sandboxed process may write
-            anything).
-        UnstableSimulation: the physics diverged over and over.
+        TrainingDiverged: an action is not a finite number, which finite weights can give too.
+        UnstableSimulation: the physics diverged over and over, or a measure of it is not finite.
     """
     env = MeasuredEnv(task, parameters, min(episodes, _SIDE_BY_SIDE))
-    expected = env.observation_size, env.action_size
-    if (policy.weights[0].shape[0], policy.weights[-1].shape[1]) != expected:
-        raise TrainingDiverged("the policy that came out of training does not fit the robot")
     seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
-    run = rollout(policy, env, seeds)
+    run = rollout(_Finite(policy.weights, policy.biases), env, seeds)
     worth = run.distance if task.fitness == "distance" else run.highest
     motions = [env.motions[seed] for seed in seeds]
     step_seconds = float(env.environment.dt)
-    return Measurement(
+    measurement = Measurement(
         fitness=float(worth.mean()),
         episode_fitness=tuple(float(value) for value in worth),
         behaviour={
@@ -101,3 +114,20 @@ def measure(
             "joint_amplitude_rad": fmean(one.joint_amplitude for one in motions),
         },
     )
+    numbers = (*measurement.episode_fitness, *measurement.behaviour.values())
+    if not all(map(math.isfinite, numbers)):
+        raise UnstableSimulation("the robot's motion is not measured in finite numbers")
+    return measurement
+
+
+class _Finite(MLPPolicy):
+    """A policy that raises where an action is no finite number."""
+
+    def act(self, observations: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
+        with np.errstate(over="ignore", invalid="ignore"):
+            actions = super().act(observations)
+        if not np.isfinite(actions).all():
+            raise TrainingDiverged(
+                "the policy that came out of training gives actions that are not finite numbers"
+            )
+        return actions

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import msgspec
 
-from robomore.sandbox.sanitize import sanitize
+from robomore.text import one_line
 from robomore.training.curve import check_curve
 from robomore.types import Curve, Evaluation, Job, TermStatistics
 
@@ -62,6 +62,35 @@ class Training:
     curve: Curve | None = None
 
 
+def checked_answer(reply: bytes, key: str, job: Job) -> Answer:
+    """Return a worker's answer, so that whatever is kept of it can be kept and read again.
+
+    Args:
+        reply: what the worker sent.
+        key: of the evaluation that it was asked for.
+        job: likewise; it stands in the place of what the worker says of it.
+
+    Raises:
+        ValueError: it is no encoded `Answer`, or one that cannot be true.
+    """
+    try:
+        answer = msgspec.json.decode(reply, type=Answer)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+    evaluation = answer.evaluation
+    if evaluation.key != key:
+        raise ValueError(f"it is for another job, {evaluation.key!r}")
+    numbers = evaluation.fitness, evaluation.volume, evaluation.efficiency
+    if evaluation.ok and (None in numbers or not evaluation.volume or evaluation.volume < 0):
+        raise ValueError("it says ok without fitness, volume and efficiency")
+    if not evaluation.ok and any(number is not None for number in numbers):
+        raise ValueError(f"it says {evaluation.status} and has numbers all the same")
+    if evaluation.curve is not None:
+        check_curve(evaluation.curve)
+    policy = answer.policy if evaluation.ok else b""
+    return Answer(replace(evaluation, job=job, artifact=""), policy)
+
+
 def believed(reply: bytes) -> Training:
     """Return what a sandboxed process claims, cut to what fits a ledger and a page.
 
@@ -75,12 +104,12 @@ def believed(reply: bytes) -> Training:
     curve = claimed.curve
     if curve is not None:
         check_curve(curve)
-        curve = Curve(curve.steps, {sanitize(name): curve.series[name] for name in curve.series})
+        curve = Curve(curve.steps, {one_line(name): curve.series[name] for name in curve.series})
     terms = islice(claimed.terms.items(), _MOST_TERMS)
     return Training(
         claimed.steps,
-        {sanitize(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
-        tuple(sanitize(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
+        {one_line(name[:_LONGEST_NAME]): statistics for name, statistics in terms},
+        tuple(one_line(note[:_LONGEST_NOTE]) for note in claimed.notes[:_MOST_NOTES]),
         curve,
     )
 

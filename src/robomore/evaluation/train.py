@@ -9,8 +9,10 @@ import msgspec
 
 from robomore.envs.vector_env import VectorEnv
 from robomore.evaluation.request import Request, Training
+from robomore.rewards.continuation import check_continuation
 from robomore.rewards.load import load_reward
 from robomore.tasks import get_task
+from robomore.text import to_json
 from robomore.training.settings import make_trainer, settings_from
 
 POLICIES = "policy-*.npz"
@@ -33,12 +35,15 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     """
     request = msgspec.json.decode(payload, type=Request)
     job = request.job
+    task, parameters = get_task(job.task), job.design.morphology.parameters
     settings = settings_from(job.trainer)
+    reward = load_reward(job.design.reward.source)
+    check_continuation(task, parameters, reward)
     environment = VectorEnv(
-        get_task(job.task),
-        job.design.morphology.parameters,
+        task,
+        parameters,
         settings.num_envs,
-        load_reward(job.design.reward.source),
+        reward,
         episode_seconds=settings.episode_seconds,
     )
     trained = make_trainer(job.trainer).train(
@@ -50,6 +55,6 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     )
     for index, policy in enumerate(trained.policies):
         policy.save(scratch / POLICIES.replace("*", f"{index:02}"))
-    return msgspec.json.encode(
+    return to_json(
         Training(job.steps, environment.reward_statistics(), environment.notes(), trained.curve)
     )

@@ -17,6 +17,7 @@ import msgspec
 
 from robomore.executors.executor import Done, Failed, Outcome, Progress, never
 from robomore.executors.worker import Call, Progressed, Replied, Reply
+from robomore.text import to_json
 
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _INHERITED = (
@@ -140,7 +141,7 @@ class _Slot:
         began = time.monotonic()
         deadline.start()
         try:
-            process.stdin.write(msgspec.json.encode(call) + b"\n")
+            process.stdin.write(to_json(call) + b"\n")
             process.stdin.flush()
             for line in process.stdout:
                 reply = msgspec.json.decode(line, type=Reply)

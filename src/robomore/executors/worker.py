@@ -14,6 +14,7 @@ import traceback
 import msgspec
 
 from robomore.executors.executor import load_function
+from robomore.text import to_json
 
 
 class Call(msgspec.Struct, tag="call", frozen=True):
@@ -51,7 +52,7 @@ def main() -> None:
     os.dup2(2, 1)
 
     def send(reply: Reply) -> None:
-        replies.write(msgspec.json.encode(reply) + b"\n")
+        replies.write(to_json(reply) + b"\n")
 
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(calls,), daemon=True).start()

@@ -13,6 +13,7 @@ from robomore.errors import BudgetExhausted, InputError
 from robomore.llm.exchange import Exchange, ExchangeLog, Spending, exchange_key
 from robomore.llm.model import ChatModel, Request
 from robomore.llm.tokens import estimate_prompt
+from robomore.llm.trouble import prompt_cut
 
 _log = logging.getLogger(__name__)
 
@@ -59,6 +60,7 @@ class BudgetedClient:
         self._watch = watch
         self._budget = budget or ModelBudget()
         self._pending: list[_PendingRequest] = []
+        self._cut_seen = False
         self._lock = threading.Lock()
         if self._budget.cost is not None and model.cost(1000, 1000) is None:
             raise InputError(
@@ -101,6 +103,10 @@ class BudgetedClient:
             with self._lock:
                 self._log.add(exchange)
                 spent = self._log.spent()
+        cut = prompt_cut(request.messages, completion.input_tokens)
+        if cut and not self._cut_seen:
+            self._cut_seen = True
+            _log.warning("%s: %s", self._model.name, cut)
         self._watch(spent)
         _log.info(
             f"{exchange.model} answered {request.slot} in {exchange.seconds:.1f} s "

@@ -8,7 +8,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Coroutine, Sequence
-from typing import Any, TypeVar, cast
+from typing import Any, Literal, TypeVar, cast
 
 from genai_prices import Usage, calc_price
 from pydantic_ai.direct import model_request
@@ -28,8 +28,9 @@ from pydantic_ai.output import OutputObjectDefinition
 from pydantic_ai.settings import ModelSettings
 
 from robomore.errors import InputError
-from robomore.llm.errors import LIBRARY_ERRORS, SchemaRefused, translate
+from robomore.llm.errors import SchemaRefused, translate
 from robomore.llm.model import Completion, Message, Request, Sampling, do_nothing
+from robomore.llm.redaction import redact
 from robomore.llm.retry import RetryPolicy, retry
 from robomore.llm.tokens import estimate_prompt, estimate_tokens
 
@@ -60,6 +61,7 @@ class PydanticAIModel:
         self._retry_policy = retry_policy
         self._sleep = sleep
         self._schemas = True
+        self._reached = False
         self._loop = _Loop()
 
     def complete(
@@ -87,7 +89,8 @@ class PydanticAIModel:
                 self.name,
                 refused,
             )
-        text, usage = response.text or "", response.usage
+        text, ending = _content(response)
+        usage = response.usage
         input_tokens, output_tokens = usage.input_tokens, usage.output_tokens
         if usage.unmeasured_requests or not input_tokens:
             input_tokens = estimate_prompt(request.messages)
@@ -100,7 +103,8 @@ class PydanticAIModel:
             except (LookupError, ValueError):
                 _log.debug("no exact price for this answer of %s", self.name)
         return Completion(
-            reply=text,
+            # A server can send a key back. Replies are kept and shown.
+            reply=redact(text),
             truncated=response.finish_reason == "length",
             input_tokens=input_tokens,
             output_tokens=output_tokens,
@@ -108,6 +112,7 @@ class PydanticAIModel:
             seconds=time.monotonic() - started,
             tries=tries,
             structured=structured,
+            ending=ending,
         )
 
     def cost(self, input_tokens: int, output_tokens: int) -> float | None:
@@ -126,7 +131,7 @@ class PydanticAIModel:
 
     def _once(self, request: Request, structured: bool) -> ModelResponse:
         try:
-            return self._loop.run(
+            response = self._loop.run(
                 model_request(
                     self._model,
                     _messages(request.messages),
@@ -134,13 +139,16 @@ class PydanticAIModel:
                     model_request_parameters=_parameters(request.schema if structured else None),
                 )
             )
-        except LIBRARY_ERRORS as error:
-            raise translate(error, self.name, str(self._model.base_url), structured) from None
         except UserError as error:
             # The library knows in advance that this model takes no schema, or no pictures.
             if structured:
                 raise SchemaRefused(str(error)) from None
             raise InputError(f"{self.name} cannot be asked like this: {error}") from None
+        except Exception as error:  # noqa: BLE001  # an odd answer ends in errors of all kinds
+            url = str(self._model.base_url)
+            raise translate(error, self.name, url, structured, self._reached) from None
+        self._reached = True
+        return response
 
     def _settings(self, sampling: Sampling) -> ModelSettings:
         settings: dict[str, Any] = {
@@ -181,6 +189,25 @@ class _Loop:
         except BaseException:
             future.cancel()
             raise
+
+
+def _content(
+    response: ModelResponse,
+) -> tuple[str, Literal["", "filter", "refusal", "thoughts"]]:
+    """Return the text of an answer, and why it is incomplete.
+
+    Some servers take an answer for thoughts, or for the call of a tool. It is read from there.
+    """
+    text = response.text or ""
+    if response.finish_reason == "content_filter":
+        refusal = (response.provider_details or {}).get("refusal")
+        return (str(refusal), "refusal") if refusal else (text, "filter")
+    if not text.strip() and response.tool_calls:
+        return response.tool_calls[0].args_as_json_str(), ""
+    thoughts = response.thinking or ""
+    if not text.strip() and thoughts.strip() and response.finish_reason != "length":
+        return thoughts, "thoughts"
+    return text, ""
 
 
 def _messages(messages: Sequence[Message]) -> list[ModelMessage]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
-import os
-import re
+import socket
+from collections.abc import Iterator
 
 from pydantic_ai.exceptions import (
     ModelAPIError,
@@ -18,22 +19,12 @@ from pydantic_ai.exceptions import (
     ModelRateLimitError,
     ModelRequestTimeout,
     ModelTimeoutError,
-    UnexpectedModelBehavior,
 )
 
-from robomore.errors import InputError
+from robomore.errors import InputError, ModelUnavailable
+from robomore.llm.http import AnswerTooLarge
+from robomore.llm.redaction import public_url, redact_error
 from robomore.llm.retry import TransientError
-
-LIBRARY_ERRORS = (
-    ModelAPIError,
-    UnexpectedModelBehavior,
-    IndexError,
-    KeyError,
-    TypeError,
-    ValueError,
-)
-"""Errors that the library raises for a bad answer. The built-in ones come from answers of an
-unexpected form: an empty list of choices is an IndexError."""
 
 _TRANSIENT_STATUS = (408, 409, 425, 429)
 _SCHEMA_STATUS = (400, 415, 422, 501)
@@ -44,10 +35,30 @@ class SchemaRefused(Exception):
     """A request with a JSON schema was refused, perhaps because of the schema."""
 
 
-def translate(error: Exception, name: str, url: str, structured: bool) -> Exception:
-    """Return the error to raise instead of one of `LIBRARY_ERRORS`: a `TransientError` if a retry
-    may help, `SchemaRefused` for a request with a JSON schema (`structured`), or `InputError`.
+def translate(error: Exception, name: str, url: str, structured: bool, reached: bool) -> Exception:
+    """Return the error to raise instead of an error of the library.
+
+    Args:
+        error: anything that the library raised. Answers of an unexpected form end in errors of all
+            kinds: an empty list of choices in an IndexError, deep nesting in a RecursionError.
+        name: of the model.
+        url: of its server.
+        structured: whether the request had a JSON schema.
+        reached: whether this server has answered before.
+
+    Returns:
+        A `TransientError` if a retry may help, `SchemaRefused` for a request with a JSON schema,
+        `ModelUnavailable` if nobody listens at `url`, or `InputError`.
     """
+    url = public_url(url)
+    for cause in _causes(error):
+        if isinstance(cause, AnswerTooLarge):
+            return InputError(f"{name} sent {cause}; {url} is no server of language models")
+        if not reached and _nobody_there(cause):
+            return ModelUnavailable(
+                f"no server answers at {url} ({_short(str(cause))}); start the server of {name}, "
+                "or correct --base-url (for ollama: OLLAMA_BASE_URL)"
+            )
     if not isinstance(error, ModelAPIError):
         return TransientError(_unreadable(error, name, url))
     match error:
@@ -81,6 +92,23 @@ def translate(error: Exception, name: str, url: str, structured: bool) -> Except
     return InputError(f"{name} refused the request with HTTP {status}: {_message(error)}")
 
 
+def _causes(error: BaseException) -> Iterator[BaseException]:
+    """Yield `error` and what it was raised from."""
+    seen: BaseException | None = error
+    for _ in range(20):
+        if seen is None:
+            return
+        yield seen
+        seen = seen.__cause__ or seen.__context__
+
+
+def _nobody_there(cause: BaseException) -> bool:
+    """Return whether a connection was refused, or its host has no address."""
+    if isinstance(cause, socket.gaierror):
+        return cause.errno != socket.EAI_AGAIN
+    return isinstance(cause, OSError) and cause.errno == errno.ECONNREFUSED
+
+
 def _unreadable(error: Exception, name: str, url: str) -> str:
     message = str(error)
     if isinstance(error, IndexError | KeyError):
@@ -108,11 +136,5 @@ def _message(error: ModelAPIError) -> str:
 
 
 def _short(text: str) -> str:
-    line = " ".join(text.split())
-    named = re.compile(r"(KEY|TOKEN|SECRET|PASSWORD)$")
-    secrets = [value for name, value in os.environ.items() if named.search(name)]
-    for secret in sorted((s for s in secrets if len(s) >= 6), key=len, reverse=True):
-        line = line.replace(secret, "***")
-    # Providers quote a key with its middle masked; the rest of the key is removed too.
-    line = re.sub(r"\b(sk|key|AIza)[-_][\w*-]{4,}", "***", line)
+    line = redact_error(" ".join(text.split()))
     return line if len(line) <= 200 else line[:200] + "…"

@@ -62,6 +62,8 @@ class Completion:
     Attributes:
         reply: text of the answer. It is empty if the model had nothing to say.
         truncated: whether the provider cut the answer off at its length limit.
+        ending: why the answer is incomplete for another reason: a content filter, a refusal (the
+            reply is its text), or thoughts without an answer (the reply is the thoughts).
         input_tokens: as the provider counted them, or an estimate if it does not count.
         output_tokens: likewise, tokens of thinking included.
         cost: in US dollars, or `None` if no price is known.
@@ -81,6 +83,7 @@ class Completion:
     tries: int = 1
     structured: bool = False
     validation_errors: tuple[str, ...] | None = None
+    ending: Literal["", "filter", "refusal", "thoughts"] = ""
 
 
 def do_nothing() -> None:

@@ -65,6 +65,7 @@ class ReplayModel:
                 tries=0,
                 structured=found.structured,
                 validation_errors=validation_errors,
+                ending=found.ending,
             )
         if self._by == "slot" and request.slot.improves:
             raise ProposalFailed(f"the recording has no answer for {request.slot}")

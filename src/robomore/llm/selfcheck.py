@@ -6,7 +6,10 @@ import json
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from robomore.errors import ModelUnavailable
 from robomore.llm.model import ChatModel, Completion, Message, Request, Sampling
+from robomore.llm.tokens import estimate_prompt
+from robomore.llm.trouble import prompt_cut, trouble_with
 from robomore.types import Slot
 
 _SCHEMA = {
@@ -16,6 +19,10 @@ _SCHEMA = {
     "required": ["length"],
     "additionalProperties": False,
 }
+
+
+_FILLER = " ".join(["a", "e", "i", "o", "u"] * 1400)
+"""As long as a prompt with a short history: each word is a token of every tokenizer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +37,7 @@ class Check:
         seconds: time for both answers.
         tokens: input and output tokens of both exchanges.
         cost: in US dollars, or `None` if no price is known.
+        prompt_cut: that the server reads long prompts in part only, or empty.
     """
 
     model: str
@@ -38,23 +46,32 @@ class Check:
     seconds: float
     tokens: int
     cost: float | None
+    prompt_cut: str = ""
 
 
 def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
-    """Ask `model` two small questions.
+    """Ask `model` two small questions, the first at the end of a long prompt.
 
     Raises:
         InputError: a request can never succeed; the message has the reason.
-        ModelUnavailable: the model does not answer.
+        ModelUnavailable: the model does not answer, or with nothing; the message has the reason.
     """
 
     def answer(index: int, text: str, schema: dict[str, Any] | None = None) -> Completion:
         slot = Slot("check", "check", (index,))
-        return model.complete(
+        completion = model.complete(
             Request(slot, 0, (Message("user", text),), schema, sampling or Sampling())
         )
+        trouble = trouble_with(completion)
+        if trouble and (trouble.lasting or not completion.reply.strip()):
+            raise ModelUnavailable(f"{model.name} gave no answer: {trouble.to_user}")
+        return completion
 
-    plain = answer(0, "Answer with the single word: ready")
+    long = f"Leave these letters aside: {_FILLER}\n\nAnswer with the single word: ready"
+    plain = answer(0, long)
+    messages = (Message("user", long),)
+    # Without a count of the server, an estimate takes its place.
+    counted = plain.input_tokens != estimate_prompt(messages)
     form = 'Answer with JSON alone, of the form {"length": 2.5}, any number from 0 to 10.'
     formed = answer(1, form, _SCHEMA)
     costs = (plain.cost, formed.cost)
@@ -65,6 +82,7 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
         seconds=plain.seconds + formed.seconds,
         tokens=sum(c.input_tokens + c.output_tokens for c in (plain, formed)),
         cost=None if None in costs else sum(cost or 0.0 for cost in costs),
+        prompt_cut=prompt_cut(messages, plain.input_tokens) if counted else "",
     )
 
 

@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from robomore.errors import InputError, InvalidMorphology
+from robomore.plain_files import write_plain
 from robomore.report.command import command_line
 from robomore.report.comparison_plot import parameter_rows, seed_dots
 from robomore.report.heatmap import heatmap
@@ -19,6 +20,7 @@ from robomore.runs import Run, load_run
 from robomore.runs.grid import grids
 from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
 from robomore.store import RunFolder
+from robomore.text import sanitize
 
 _PICTURE = (460, 340)
 
@@ -37,10 +39,8 @@ def write_report(run: Run | Path, out: Path | None = None) -> Path:
     run = run if isinstance(run, Run) else load_run(run)
     usual = RunFolder(run.folder).report
     path = out or (usual.with_name(f"report-{run.focus}.html") if run.focus else usual)
-    partial = path.with_name(path.name + ".partial")
     try:
-        partial.write_text(render(run), encoding="utf-8")
-        partial.replace(path)
+        write_plain(path, sanitize(render(run)).encode())
     except OSError as error:
         raise InputError(
             f"cannot write {path} ({error.strerror}); name a file with --out"

@@ -12,7 +12,7 @@ import re
 import statistics
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -25,15 +25,19 @@ from robomore.envs.vector_env import VectorEnv
 from robomore.errors import UnstableSimulation
 from robomore.identity import derive_seed
 from robomore.rewards.check import NAME, Finding
+from robomore.rewards.continuation import check_continuation
 from robomore.rewards.dry_run_findings import Observed, Term, findings, morphologies
 from robomore.rewards.load import load_reward
 from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.tasks import Task, get_task
+from robomore.text import one_line
 from robomore.types import Limits, Status
 
 RANDOM_MORPHOLOGIES = 2
-NUM_ENVS, STEPS = 4, 25
-"""For each morphology; together a hundred calls of the reward."""
+NUM_ENVS, STEPS = 4, 50
+"""For each morphology; together two hundred calls of the reward."""
+_HELD = (1, 1, 5, 15)
+"""Control steps for which each simulation keeps its random action: longer ones move it further."""
 _LIMITS = Limits(wall_seconds=120.0, reward_call_seconds=1.0, stall_seconds=60.0)
 _BLAMELESS = (Status.FAILED, Status.UNSTABLE, Status.INVALID_MORPHOLOGY)
 """Ends of a dry run that say nothing about the reward."""
@@ -51,6 +55,19 @@ class DryRunRequest:
     task: str
     morphologies: tuple[tuple[float, ...], ...]
     source: str
+
+
+@dataclass(frozen=True, slots=True)
+class DryRunResult:
+    """What a dry run has shown.
+
+    Attributes:
+        findings: what is wrong, or probably wrong, or good to know.
+        observed: statistics; `None` if the reward failed, or nothing could be tried.
+    """
+
+    findings: list[Finding]
+    observed: Observed | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +91,14 @@ class DryRun:
         Raises:
             InputError: the machine lacks a layer and containment is strict.
         """
+        return self.result(source).findings
+
+    def result(self, source: str) -> DryRunResult:
+        """Return what is wrong with a reward, and its statistics.
+
+        Raises:
+            InputError: the machine lacks a layer and containment is strict.
+        """
         drawn = tuple(morphologies(self.task, RANDOM_MORPHOLOGIES))
         self.scratch.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(prefix="dry-run-", dir=self.scratch) as scratch:
@@ -86,14 +111,18 @@ class DryRun:
             )
         if ended.status in _BLAMELESS:
             _log.warning("no dry run: %s", ended.diagnosis)
-            return []
+            said = f"could not be tried out: {one_line(ended.diagnosis)[:_LONGEST]}"
+            return DryRunResult([Finding(_line(source), "note", said)])
         if ended.status is not Status.OK:
-            return [_fault(ended.diagnosis, source)]
+            return DryRunResult([_fault(ended.diagnosis, source)])
         try:
             observed = msgspec.json.decode(ended.reply, type=Observed)
         except msgspec.DecodeError:
-            return [_fault("the reward does something else than computing a number", source)]
-        return findings(observed, _line(source))
+            said = "the reward does something else than computing a number"
+            return DryRunResult([_fault(said, source)])
+        clean = {one_line(name)[:_LONGEST]: term for name, term in observed.terms.items()}
+        observed = replace(observed, terms=clean)
+        return DryRunResult(findings(observed, _line(source)), observed)
 
 
 def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
@@ -112,41 +141,46 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
     """
     request = msgspec.json.decode(payload, type=DryRunRequest)
     task = get_task(request.task)
-    reward = _RecordedReward(load_reward(request.source))
+    check_continuation(task, request.morphologies[0], load_reward(request.source))
+    record = _Record()
+    reward = load_reward(request.source, record.watch)
     for number, parameters in enumerate(request.morphologies):
         random = np.random.default_rng(derive_seed("dry run", request.task, number))
         env = VectorEnv(task, parameters, NUM_ENVS, reward)
         try:
             env.reset(int(random.integers(2**31)))
-            for _ in range(STEPS):
-                actions = random.uniform(-1, 1, (NUM_ENVS, env.action_size))
-                reward.rewards += env.step(actions).reward.tolist()
+            actions = np.zeros((NUM_ENVS, env.action_size))
+            for step in range(STEPS):
+                anew = [index for index, held in enumerate(_HELD) if step % held == 0]
+                actions[anew] = random.uniform(-1, 1, (len(anew), env.action_size))
+                record.rewards += env.step(actions).reward.tolist()
         except UnstableSimulation:
             pass  # Not the reward's fault, and other morphologies move.
         report(number + 1)
-    return msgspec.json.encode(reward.observed())
+    return msgspec.json.encode(record.observed())
 
 
 @dataclass
-class _RecordedReward:
-    """A reward that records how long each call took and what it returned."""
+class _Record:
+    """How long each call of a reward took and what it returned."""
 
-    original: RewardFunction
     seconds: list[float] = field(default_factory=list)
     rewards: list[float] = field(default_factory=list)
     terms: dict[str, list[float]] = field(default_factory=dict)
     not_finite: dict[str, int] = field(default_factory=dict)
 
-    def __call__(
-        self, robot: Any, x_velocity: float, action: Any
-    ) -> tuple[float, Mapping[str, float]]:
-        """Return what the reward returns."""
-        began = time.thread_time()
-        result = self.original(robot, x_velocity, action)
-        self.seconds.append(time.thread_time() - began)
-        if type(result) is tuple and len(result) == 2 and isinstance(result[1], Mapping):
-            self._record(result[1])
-        return result
+    def watch(self, function: RewardFunction) -> RewardFunction:
+        """Return `function` with each call recorded."""
+
+        def recorded(robot: Any, x_velocity: float, action: Any) -> Any:
+            began = time.thread_time()
+            result = function(robot, x_velocity, action)
+            self.seconds.append(time.thread_time() - began)
+            if type(result) is tuple and len(result) == 2 and isinstance(result[1], Mapping):
+                self._record(result[1])
+            return result
+
+        return recorded
 
     def _record(self, terms: Mapping[str, Any]) -> None:
         for name, value in terms.items():
@@ -170,17 +204,26 @@ class _RecordedReward:
             high=max(self.rewards, default=0.0),
             seconds=statistics.median(self.seconds) if self.seconds else 0.0,
             terms={
-                name: Term(
-                    float(np.std(values)) if values and min(values) < max(values) else 0.0,
-                    self.not_finite.get(name, 0),
-                )
+                name: _term(values, self.not_finite.get(name, 0))
                 for name, values in self.terms.items()
             },
+            mean=_term(self.rewards, 0).mean,
         )
 
 
+def _term(values: list[float], not_finite: int) -> Term:
+    """Return the statistics of finite values, however large they are."""
+    low, high = min(values, default=0.0), max(values, default=0.0)
+    scale = max(abs(low), abs(high))
+    if low == high or scale == 0:
+        return Term(0.0, not_finite, low, low, high)
+    scaled = np.array(values) / scale
+    spread, mean = scale * float(np.std(scaled)), scale * float(np.mean(scaled))
+    return Term(spread, not_finite, mean, low, high)
+
+
 def _fault(diagnosis: str, source: str) -> Finding:
-    said = " ".join(diagnosis.split())[:_LONGEST]
+    said = one_line(diagnosis)[:_LONGEST]
     line = re.search(r"\bline (\d+)\b", said)
     return Finding(int(line[1]) if line else _line(source), "error", f"when tried out: {said}")
 

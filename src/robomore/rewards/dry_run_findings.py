@@ -21,6 +21,11 @@ SLOW, TOO_SLOW = 1e-3, 10e-3
 million steps makes as many calls."""
 _DOMINANT = 0.99
 """A term with more than this share of all variation leaves the others without a say."""
+TINY, HUGE = 1e-9, 1e12
+"""Rewards whose size lies outside are of no use: single precision has some seven digits, and sums
+over an episode must keep them."""
+_DIGITS = 1e-6
+"""A reward whose values differ by less than this share of their size is as good as constant."""
 _NAMED = 3
 """Terms that one finding names."""
 _DRAWS = 500
@@ -33,10 +38,16 @@ class Term:
     Attributes:
         spread: its standard deviation over the calls.
         not_finite: calls in which it was no finite number.
+        mean: over the calls in which it was a finite number, as for what follows.
+        low: least value.
+        high: greatest value.
     """
 
     spread: float = 0.0
     not_finite: int = 0
+    mean: float = 0.0
+    low: float = 0.0
+    high: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +60,7 @@ class Observed:
         high: greatest reward.
         seconds: processor time of a usual call (the median).
         terms: by name.
+        mean: of the reward.
     """
 
     calls: int
@@ -56,6 +68,7 @@ class Observed:
     high: float
     seconds: float
     terms: dict[str, Term] = field(default_factory=dict)
+    mean: float = 0.0
 
 
 def findings(observed: Observed, line: int) -> list[Finding]:
@@ -75,6 +88,8 @@ def findings(observed: Observed, line: int) -> list[Finding]:
                 "of several robots that moved at random: nothing can be learnt from it",
             )
         )
+    elif said := _size(observed):
+        found.append(Finding(line, "error", said))
     if observed.seconds > SLOW:
         found.append(
             Finding(
@@ -85,6 +100,32 @@ def findings(observed: Observed, line: int) -> list[Finding]:
             )
         )
     return [*found, *_about_terms(observed, line)]
+
+
+def _size(observed: Observed) -> str:
+    """Return what is wrong with the size of a reward's values, empty if nothing is."""
+    largest = max(abs(observed.low), abs(observed.high))
+    spread = observed.high / 2 - observed.low / 2  # halved, so that it is finite
+    if TINY <= largest <= HUGE and 2 * spread >= _DIGITS * largest:
+        return ""
+    reached = observed.low if abs(observed.low) == largest else observed.high
+    said = f"the reward was {reached:.3g}{_largest_term(observed)}"
+    if largest > HUGE:
+        return f"{said}, which is too large to learn from; keep it between -1000 and 1000"
+    if largest < TINY:
+        return f"{said} at most, which is too small to learn from; multiply it"
+    return (
+        f"{said}, and differed by only {2 * spread:.3g} in {observed.calls} steps: too few digits "
+        "are left to learn from; take the large constant away"
+    )
+
+
+def _largest_term(observed: Observed) -> str:
+    sizes = {name: max(term.low, term.high, key=abs) for name, term in observed.terms.items()}
+    if not sizes:
+        return ""
+    name = max(sizes, key=lambda name: abs(sizes[name]))
+    return f" (its largest term: {name!r}, {sizes[name]:.3g})"
 
 
 def morphologies(task: Task, count: int) -> list[tuple[float, ...]]:
@@ -116,6 +157,7 @@ def _about_terms(observed: Observed, line: int) -> list[Finding]:
     if faulty:
         said = f"{_listed(faulty)} not always a finite number among the terms"
         found.append(Finding(line, "warning", said))
+    found += _unchanging(observed, line)
     spreads = {name: term.spread for name, term in observed.terms.items() if term.spread > 0}
     total = math.fsum(spreads.values())
     # A constant, such as a bonus for being healthy, is no rival.
@@ -131,9 +173,26 @@ def _about_terms(observed: Observed, line: int) -> list[Finding]:
     return found
 
 
+def _unchanging(observed: Observed, line: int) -> list[Finding]:
+    """Tell of terms that never change: dead if they are 0, perhaps meant if they are not."""
+    same = [name for name, term in observed.terms.items() if term.low == term.high]
+    same = [name for name in same if observed.terms[name].not_finite < observed.calls]
+    dead = [name for name in same if observed.terms[name].high == 0]
+    constant = [name for name in same if name not in dead]
+    found = []
+    if dead and observed.calls > 1:
+        said = f"{_listed(dead)} 0 in all {observed.calls} steps; look at what it is computed from"
+        found.append(Finding(line, "warning", said))
+    if constant and observed.calls > 1:
+        said = f"{_listed(constant)} the same number in all {observed.calls} steps"
+        found.append(Finding(line, "note", said))
+    return found
+
+
 def _listed(names: Sequence[str]) -> str:
     shown = ", ".join(f"{name!r}" for name in names[:_NAMED])
-    return f"{shown} {'was' if len(names) == 1 else 'were'}"
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f"{shown}{more} {'was' if len(names) == 1 else 'were'}"
 
 
 def _compared(terms: dict[str, Term]) -> str:

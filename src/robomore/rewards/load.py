@@ -3,25 +3,20 @@ is executed, and nothing but the operating system's boundary protects against it
 """
 
 from __future__ import annotations
-import __future__
 
-import builtins
 import inspect
-import linecache
-import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
 
-import numpy as np
-
+from robomore.envs.reward_program import NAME, RewardProgram
+from robomore.envs.robots.base import RewardFunction
 from robomore.errors import InvalidReward
 from robomore.sandbox import heartbeat
-from robomore.sandbox.explain import FILENAME, explain
-
-if TYPE_CHECKING:
-    from robomore.envs.robots.base import RewardFunction
+from robomore.sandbox.explain import explain
 
 
-def load_reward(source: str) -> RewardFunction:
+def load_reward(
+    source: str, watch: Callable[[RewardFunction], RewardFunction] | None = None
+) -> RewardProgram:
     """Execute `source` and return its `_get_rew(self, x_velocity, action)`.
 
     `np`, `numpy` and `math` are there without an import, annotations are not evaluated, and `print`
@@ -29,42 +24,24 @@ def load_reward(source: str) -> RewardFunction:
 
     Args:
         source: program text of the reward.
+        watch: given each simulation's function; returns what is called in its place.
 
     Raises:
         InvalidReward: with line and reason, where the text does not compile, fails as it is
             executed, or defines no `_get_rew` that takes (self, x_velocity, action).
     """
-    linecache.cache[FILENAME] = (len(source), None, source.splitlines(keepends=True), FILENAME)
-    try:
-        code = compile(
-            source,
-            FILENAME,
-            "exec",
-            flags=__future__.annotations.compiler_flag,
-            dont_inherit=True,
-        )
-    except SyntaxError as error:
-        raise InvalidReward(f"line {error.lineno}: does not parse: {error.msg}") from None
-    except (ValueError, RecursionError, MemoryError, OverflowError) as error:
-        raise InvalidReward(f"does not parse: {explain(error)}") from None
 
-    namespace: dict[str, Any] = {
-        "__name__": "reward",
-        "__builtins__": builtins,
-        "np": np,
-        "numpy": np,
-        "math": math,
-        "print": _silent,
-    }
+    def counted(function: RewardFunction) -> RewardFunction:
+        function = heartbeat.watch(function)
+        return watch(function) if watch else function
+
+    program = RewardProgram(source, {"print": _silent}, heartbeat.watched, counted)
     try:
-        with heartbeat.watched():
-            exec(code, namespace)
+        function = program.instance().namespace[NAME]
+    except InvalidReward:
+        raise
     except BaseException as error:  # noqa: BLE001  # untrusted code may raise SystemExit and worse
         raise InvalidReward(f"fails before any call: {explain(error)}") from None
-
-    function = namespace.get("_get_rew")
-    if not callable(function):
-        raise InvalidReward("defines no function `_get_rew(self, x_velocity, action)`")
     try:
         with heartbeat.watched():
             inspect.signature(function).bind(None, 0.0, None)
@@ -72,7 +49,7 @@ def load_reward(source: str) -> RewardFunction:
         raise InvalidReward(
             f"`_get_rew` does not take (self, x_velocity, action): {explain(error)}"
         ) from None
-    return heartbeat.watch(function)
+    return program
 
 
 def _silent(*values: object, **options: object) -> None:

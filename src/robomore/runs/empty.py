@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from robomore.designers.recorded import ATTEMPTS
 from robomore.plan import Plan, Stage
-from robomore.store.ledger import Proposal
+from robomore.store.schema import Proposal
 from robomore.types import Slot
 
 

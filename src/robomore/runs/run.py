@@ -23,7 +23,7 @@ from robomore.runs.warnings import warnings_about
 from robomore.settings import Objective
 from robomore.statistics.spread import Spread, ratio
 from robomore.store import Ledger, Manifest, RunFolder
-from robomore.store.ledger import Proposal
+from robomore.store.schema import Proposal
 from robomore.tasks import Task
 from robomore.types import Curve, Evaluation, Place, Status
 

@@ -15,18 +15,18 @@ from typing import IO
 import msgspec
 
 from robomore.sandbox import heartbeat
-from robomore.sandbox.linux.usage import folder_bytes, peak_memory, usage
+from robomore.sandbox.linux.usage import folder_bytes, usage
 from robomore.sandbox.process import ChildProcess
 from robomore.sandbox.restrictions import Layer
-from robomore.sandbox.sanitize import sanitize
 from robomore.sandbox.watchdog import Snapshot, Verdict, Watchdog
 from robomore.sandbox.wire import Frames, Kind, MalformedFrame, unpack_number
+from robomore.text import sanitize
 from robomore.types import Limits, Status
 
 _INTERVAL = 0.2
 """Seconds between two snapshots of the process."""
 _SNAPSHOTS_PER_COUNT = 5
-"""The files are counted, and the peak of memory is read, at one snapshot in so many."""
+"""The files are counted at one snapshot in so many."""
 _MOST_FILES = 10_000
 _TO_END = 2.0
 """Seconds that the process has to end after its reply."""
@@ -186,9 +186,8 @@ class Supervisor:
             counts = [folder_bytes(folder, _MOST_FILES) for folder in self._folders]
             known = [count for count in counts if count is not None]
             self._disk_bytes = sum(known) if len(known) == len(counts) else None
-            self.peak_memory = max(self.peak_memory, peak_memory(self._child.pid))
         if used is not None:
-            self.peak_memory = max(self.peak_memory, used.memory)
+            self.peak_memory = max(self.peak_memory, used.memory, used.peak_memory)
         self._snapshots += 1
         snapshot = Snapshot(self._page[0], self._progress, self._printed, used, self._disk_bytes)
         self._verdict = self._verdict or self._watchdog.check(seconds, snapshot)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import stat
 import zipfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,37 +43,59 @@ def read_file(path: Path, most_bytes: int) -> bytes:
     return content
 
 
-def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an `.npz` file; never unpickles and never inflates.
+def read_arrays(path: Path, most_bytes: int, most_members: int) -> dict[str, NDArray[np.float32]]:
+    """Return the arrays of an `.npz` file as NumPy writes it: float32 and nothing else.
 
     Args:
         path: in a folder that untrusted code could write to.
         most_bytes: largest size that is accepted.
+        most_members: most arrays that are accepted.
 
     Raises:
-        UntrustedFileError: as `read_file` does, or it is no plain, uncompressed `.npz` of numbers.
+        UntrustedFileError: as `read_file` does, or it is anything else. Nothing is unpickled,
+            inflated, or believed that a header says of sizes.
     """
-    content = io.BytesIO(read_file(path, most_bytes))
+    content = read_file(path, most_bytes)
     try:
-        with zipfile.ZipFile(content) as archive:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = archive.infolist()
-            if any(it.compress_type != zipfile.ZIP_STORED for it in members):
-                raise UntrustedFileError(f"{path.name} is compressed")
-            if sum(it.file_size for it in members) > most_bytes:
-                raise UntrustedFileError(f"{path.name} claims more than {most_bytes:,} bytes")
-            # NumPy reads as many bytes as a header says, and a sum is looked at after the last.
-            if (broken := archive.testzip()) is not None:
-                raise UntrustedFileError(f"{path.name} is damaged in {broken!r}")
-        content.seek(0)
-        with np.load(content, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+            if len(members) > most_members or sum(it.file_size for it in members) > most_bytes:
+                raise UntrustedFileError(f"{path.name} holds too many arrays, or too large ones")
+            arrays = {}
+            for member in members:
+                name, _, ending = member.filename.rpartition(".")
+                # Plain members alone: to inflate one, or to decrypt it, could take any time.
+                stored = member.compress_type == zipfile.ZIP_STORED and not member.flag_bits & 1
+                if ending != "npy" or name in arrays or not stored:
+                    raise UntrustedFileError(f"{path.name} is not what NumPy writes")
+                arrays[name] = _array(archive.read(member))
+            return arrays
     except UntrustedFileError:
         raise
     except _BROKEN as error:
         raise UntrustedFileError(f"{path.name} is no file of arrays: {error}") from None
 
 
+def _array(content: bytes) -> NDArray[np.float32]:
+    """Return an array from the content of an `.npy` file.
+
+    Raises:
+        ValueError: it is anything but numbers of type float32 in C order.
+    """
+    file = io.BytesIO(content)
+    if np.lib.format.read_magic(file) != (1, 0):
+        raise ValueError("its version is not 1.0")
+    shape, fortran_order, dtype = np.lib.format.read_array_header_1_0(file)
+    if dtype != np.dtype("<f4") or fortran_order or not 0 < len(shape) <= 2:
+        raise ValueError(f"it holds {dtype.str} of shape {shape}, not matrices and vectors of <f4")
+    numbers = np.frombuffer(content, np.float32, offset=file.tell())
+    if min(shape) < 1 or numbers.size != math.prod(shape):
+        raise ValueError(f"it holds {numbers.size} numbers, which its shape {shape} does not fit")
+    return numbers.reshape(shape).copy()
+
+
 _BROKEN = (
     *(ValueError, OSError, EOFError, KeyError, MemoryError, zipfile.BadZipFile),
-    *(SyntaxError, RecursionError, RuntimeError),  # of headers and of encrypted members
+    *(TypeError, SyntaxError, RecursionError, RuntimeError, NotImplementedError, OverflowError),
 )
+"""What a damaged or manipulated archive or header can raise."""

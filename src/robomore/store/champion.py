@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
 
 from robomore.errors import RunFolderError
+from robomore.plain_files import PlainFolder
 from robomore.store.rundir import RunFolder
 from robomore.tasks.task import Task
+from robomore.text import to_json
 from robomore.types import Evaluation
 
 
@@ -24,17 +25,15 @@ def save_champion(
     whose policy is kept.
     """
     best = max(retrained, key=lambda e: (e.ok, e.score(objective) or 0.0))
-    partial = folder.champion.with_suffix(".partial")
-    shutil.rmtree(partial, ignore_errors=True)
-    partial.mkdir()
-    write_design(partial, task, retrained)
-    if best.artifact:
-        policy = folder.artifacts / best.artifact / "policy.npz"
-        if policy.is_file():
-            shutil.copyfile(policy, partial / "policy.npz")
-    write_sums(partial)
-    shutil.rmtree(folder.champion, ignore_errors=True)
-    partial.replace(folder.champion)
+    files, partial = folder.files, f"{folder.champion.name}.partial"
+    files.remove(partial)
+    files.make(partial)
+    write_design(folder.path / partial, task, retrained)
+    policy = f"{folder.artifacts.name}/{best.artifact}/policy.npz"
+    if best.artifact and files.is_file(policy):
+        files.write(f"{partial}/policy.npz", files.read(policy))
+    write_sums(folder.path / partial)
+    files.replace(partial, folder.champion.name)
 
 
 def write_design(path: Path, task: Task, evaluations: Sequence[Evaluation]) -> None:
@@ -52,17 +51,18 @@ def write_design(path: Path, task: Task, evaluations: Sequence[Evaluation]) -> N
         "efficiency": [evaluation.efficiency for evaluation in evaluations],
         "volume": task.volume(design.morphology.parameters),
     }
-    text = msgspec.json.format(msgspec.json.encode(facts), indent=2)
-    (path / "design.json").write_bytes(text + b"\n")
-    (path / "reward.py").write_text(design.reward.source)
-    (path / "robot.xml").write_text(task.mjcf(design.morphology.parameters))
+    text = msgspec.json.format(to_json(facts), indent=2)
+    files = PlainFolder(path)
+    files.write("design.json", text + b"\n")
+    files.write("reward.py", design.reward.source.encode())
+    files.write("robot.xml", task.mjcf(design.morphology.parameters).encode())
 
 
 def write_sums(path: Path) -> None:
     """Write the SHA-256 of each file in the folder `path`, as `sha256sum --check` reads them."""
-    files = sorted(file for file in path.iterdir() if file.name != SUMS)
-    lines = [f"{_sum(file)}  {file.name}\n" for file in files]
-    (path / SUMS).write_text("".join(lines))
+    files = PlainFolder(path)
+    lines = [f"{_sum(files, name)}  {name}\n" for name in files.names() if name != SUMS]
+    files.write(SUMS, "".join(lines).encode())
 
 
 def check_sums(path: Path) -> None:
@@ -71,16 +71,17 @@ def check_sums(path: Path) -> None:
     Raises:
         RunFolderError: naming the file.
     """
-    if not (path / SUMS).exists():
+    files = PlainFolder(path)
+    if not files.is_file(SUMS):
         return
     remedy = f"restore it from a copy, or remove {SUMS} if you changed it on purpose"
     try:
-        lines = (path / SUMS).read_text(encoding="utf-8").splitlines()
+        lines = files.read(SUMS, _MOST_BYTES).decode().splitlines()
         sums = {name: sum for sum, _, name in (line.partition("  ") for line in lines)}
-        for file in sorted(path.iterdir()):
-            if file.name != SUMS and sums.get(file.name) != _sum(file):
-                raise RunFolderError(f"{file} does not match {SUMS}; {remedy}")
-        if missing := sorted(sums.keys() - {file.name for file in path.iterdir()}):
+        for name in files.names():
+            if name in (*_CONTENT, *sums) and sums.get(name) != _sum(files, name):
+                raise RunFolderError(f"{path / name} does not match {SUMS}; {remedy}")
+        if missing := sorted(sums.keys() - set(files.names())):
             raise RunFolderError(f"{path / missing[0]} is missing; {remedy}")
     except (OSError, UnicodeDecodeError) as error:
         raise RunFolderError(f"{path / SUMS} cannot be read ({error}); {remedy}") from None
@@ -89,6 +90,10 @@ def check_sums(path: Path) -> None:
 SUMS = "SHA256SUMS"
 
 
-def _sum(file: Path) -> str:
-    with file.open("rb") as content:
-        return hashlib.file_digest(content, "sha256").hexdigest()
+_CONTENT = ("design.json", "policy.npz", "reward.py", "robot.xml")
+"""What a design consists of; other files in its folder, such as a video, have no sum."""
+_MOST_BYTES = 2**20
+
+
+def _sum(files: PlainFolder, name: str) -> str:
+    return hashlib.sha256(files.read(name)).hexdigest()

@@ -6,12 +6,10 @@ import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 
-import msgspec
-
 from robomore.llm.exchange import Exchange, Spending
 from robomore.llm.model import Request
-from robomore.store.ledger import SCHEMA
 from robomore.store.rows import Rows, digest
+from robomore.text import to_json
 
 
 class LedgerExchanges(Rows):
@@ -28,7 +26,7 @@ class LedgerExchanges(Rows):
             LedgerError: damaged, or of another version.
             StorageFailed: the disk is full, or cannot be written.
         """
-        super().__init__(path, SCHEMA, read_only, durable=True)
+        super().__init__(path, read_only, durable=True)
         self._spent: Spending | None = None
         self._sent = 0
 
@@ -40,7 +38,7 @@ class LedgerExchanges(Rows):
 
     def sent(self, request: Request) -> None:
         """Count a request that is about to be sent; the count is on the disk once this returns."""
-        body = msgspec.json.encode({"slot": request.slot, "repair": request.repair})
+        body = to_json({"slot": request.slot, "repair": request.repair})
         with self._lock:
             self.spent()
             self._append("events", "sent", body)
@@ -50,7 +48,7 @@ class LedgerExchanges(Rows):
         """Keep a new exchange; it is on the disk once this returns."""
         with self._lock:
             self.spent()
-            self._insert("exchanges", exchange.key, msgspec.json.encode(exchange))
+            self._insert("exchanges", exchange.key, to_json(exchange))
             assert self._spent is not None
             self._spent += Spending.of([exchange])
 
@@ -67,7 +65,7 @@ class LedgerExchanges(Rows):
             _, body, at = kept
             exchange = self._decode(body, Exchange)
             checked = dataclasses.replace(exchange, validation_errors=tuple(errors))
-            body = msgspec.json.encode(checked)
+            body = to_json(checked)
             # The row keeps its number, and so its place in the order.
             self._execute(
                 "UPDATE exchanges SET body = ?, digest = ? WHERE key = ?",

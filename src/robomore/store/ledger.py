@@ -13,36 +13,9 @@ from robomore.errors import RoboMoReError
 from robomore.events import Cut, Observer
 from robomore.events import Event as Happening
 from robomore.store.rows import Rows
-from robomore.types import Curve, Evaluation, Morphology, Place, Reward, Slot
-
-SCHEMA = 3
-"""Raised when the tables change."""
-
-_TABLES = """
-CREATE TABLE evaluations (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
-CREATE TABLE curves (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
-CREATE TABLE places
-  (place TEXT PRIMARY KEY, evaluation TEXT, seq INTEGER, time REAL, digest BLOB) STRICT;
-CREATE TABLE proposals
-  (slot TEXT PRIMARY KEY, given TEXT, body BLOB, time REAL, digest BLOB) STRICT;
-CREATE TABLE exchanges (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
-CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL, digest BLOB) STRICT;
-"""
-TABLES = ("evaluations", "curves", "places", "proposals", "exchanges", "events")
-
-
-_LONGEST_CURVE = 2**20
-"""Bytes of a curve when it is unpacked."""
-
-
-@dataclass(frozen=True, slots=True)
-class Proposal:
-    """What a designer answered in one slot: a morphology, a reward, or why there is none."""
-
-    slot: Slot
-    morphology: Morphology | None = None
-    reward: Reward | None = None
-    failure: str = ""
+from robomore.store.schema import TABLES, Proposal, check_row, unpacked_curve
+from robomore.text import to_json
+from robomore.types import Curve, Evaluation, Place, Slot
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +37,17 @@ class Ledger(Rows):
         """Open the ledger at `path`, or make one.
 
         Raises:
-            LedgerError: a row of it is damaged, or it is of another version.
+            LedgerError: a row of it is damaged, or it is of another version, or somebody else's.
             StorageFailed: the disk is full, or cannot be written.
         """
-        super().__init__(path, SCHEMA, read_only, durable=False)
+        super().__init__(path, read_only, durable=False)
         try:
-            if self._version == 0:
-                self._script(f"BEGIN; {_TABLES} PRAGMA user_version={SCHEMA}; COMMIT;")
             for table in TABLES:
-                for _ in self._select(f"SELECT * FROM {table}"):
-                    pass
+                for row in self._select(f"SELECT * FROM {table}"):
+                    try:
+                        check_row(table, row)
+                    except ValueError as error:
+                        raise self.damaged(error) from None
         except RoboMoReError:
             self.close()
             raise
@@ -89,27 +63,23 @@ class Ledger(Rows):
     def add_evaluation(self, evaluation: Evaluation) -> None:
         """Keep an evaluation; its curve goes into a table of its own, compressed."""
         if evaluation.curve is not None:
-            body = zlib.compress(msgspec.json.encode(evaluation.curve), 9)
+            body = zlib.compress(to_json(evaluation.curve), 9)
             self._insert("curves", evaluation.key, body)
         bare = replace(evaluation, curve=None)
-        self._insert("evaluations", evaluation.key, msgspec.json.encode(bare))
+        self._insert("evaluations", evaluation.key, to_json(bare))
 
     def curve(self, key: str) -> Curve | None:
         """Return the training curve of the evaluation of that key, if it has one."""
         for _, body, _ in self._select("SELECT * FROM curves WHERE key = ?", (key,)):
-            opener = zlib.decompressobj()
             try:
-                text = opener.decompress(body, _LONGEST_CURVE)
-            except zlib.error as error:
+                return unpacked_curve(body)
+            except (ValueError, RecursionError) as error:
                 raise self.damaged(error) from None
-            if opener.unconsumed_tail:
-                raise self.damaged("a curve is longer than any can be")
-            return self._decode(text, Curve)
         return None
 
     def add_place(self, place: Place, key: str) -> None:
         """Note that the search asked for an evaluation in this place."""
-        name = msgspec.json.encode(place).decode()
+        name = to_json(place).decode()
         with self._lock:
             known = list(self._select("SELECT * FROM places WHERE place = ?", (name,)))
             if known and known[0][1] == key:
@@ -136,13 +106,13 @@ class Ledger(Rows):
     def proposal(self, slot: Slot, given: str) -> Proposal | None:
         """Return what was proposed in `slot` from the same input (`given` is its content key)."""
         query = "SELECT * FROM proposals WHERE slot = ? AND given = ?"
-        for _, _, body, _ in self._select(query, (msgspec.json.encode(slot).decode(), given)):
+        for _, _, body, _ in self._select(query, (to_json(slot).decode(), given)):
             return self._decode(body, Proposal)
         return None
 
     def add_proposal(self, proposal: Proposal, given: str) -> None:
-        slot = msgspec.json.encode(proposal.slot).decode()
-        self._insert("proposals", slot, given, msgspec.json.encode(proposal))
+        slot = to_json(proposal.slot).decode()
+        self._insert("proposals", slot, given, to_json(proposal))
 
     def proposals(self) -> list[Proposal]:
         """Return all proposals, oldest first."""
@@ -152,16 +122,16 @@ class Ledger(Rows):
     # Events --------------------------------------------------------------------------------------
 
     def add_event(self, kind: str, **body: Any) -> None:
-        self._append("events", kind, msgspec.json.encode(body))
+        self._append("events", kind, to_json(body))
 
     def noting(self, observe: Observer) -> Observer:
         """Return an observer that passes everything on, and writes down once who was cut."""
-        known = {msgspec.json.encode(event.body) for event in self.events() if event.kind == "cut"}
+        known = {to_json(event.body) for event in self.events() if event.kind == "cut"}
 
         def note(event: Happening) -> None:
             if isinstance(event, Cut):
                 body = msgspec.to_builtins(event)
-                if msgspec.json.encode(body) not in known:
+                if to_json(body) not in known:
                     self.add_event("cut", **body)
             observe(event)
 

@@ -12,12 +12,15 @@ from typing import Any
 import msgspec
 
 from robomore.errors import RunFolderError
+from robomore.plain_files import read_plain, write_plain
 from robomore.plan import Plan
 from robomore.settings import RunSettings
+from robomore.text import to_json
 
 FORMAT = 3
 """Raised when a run folder's layout changes."""
 
+_MOST_BYTES = 2**24
 _DIGEST = "digest"
 """Stands last in the file: half of the SHA-256 of all the rest, by which damage is found."""
 
@@ -67,11 +70,9 @@ class Manifest:
 
     def save(self, path: Path) -> None:
         """Write the manifest as JSON, whole or not at all."""
-        fields = msgspec.json.decode(msgspec.json.encode(self))
-        text = msgspec.json.encode(fields | {_DIGEST: _digest(fields)})
-        partial = path.with_suffix(".partial")
-        partial.write_bytes(msgspec.json.format(text, indent=2) + b"\n")
-        partial.replace(path)
+        fields = msgspec.json.decode(to_json(self))
+        text = to_json(fields | {_DIGEST: _digest(fields)})
+        write_plain(path, msgspec.json.format(text, indent=2) + b"\n")
 
     @classmethod
     def load(cls, path: Path) -> Manifest:
@@ -81,7 +82,7 @@ class Manifest:
             RunFolderError: it is damaged, or was written by another version.
         """
         try:
-            fields = msgspec.json.decode(path.read_bytes(), type=dict[str, Any])
+            fields = msgspec.json.decode(read_plain(path, _MOST_BYTES), type=dict[str, Any])
             found = fields.get("format")
             if isinstance(found, int) and found != FORMAT:
                 remedy = "a newer RoboMoRe" if found > FORMAT else "the RoboMoRe that wrote it"
@@ -135,4 +136,4 @@ def _difference(mine: dict[str, Any], theirs: dict[str, Any]) -> str:
 
 
 def _digest(fields: dict[str, Any]) -> str:
-    return hashlib.sha256(msgspec.json.encode(fields, order="deterministic")).hexdigest()[:32]
+    return hashlib.sha256(to_json(fields, sort_keys=True)).hexdigest()[:32]

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import logging
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 from typing import Any
 
 from robomore.errors import LedgerDamaged
-from robomore.store.ledger import SCHEMA, TABLES, Ledger
+from robomore.plain_files import PlainFolder
+from robomore.store.ledger import Ledger
 from robomore.store.opening import BESIDE, BROKEN, copy_ledger, open_to_write
 from robomore.store.rows import digest
+from robomore.store.schema import SCHEMA, TABLES, check_row, is_readable
 
 log = logging.getLogger(__name__)
 
@@ -71,34 +73,48 @@ def _salvage(damaged: Path, path: Path) -> int:
     if kept:
         # SQLite would take an old log for the new file's.
         _remove(path, *BESIDE)
-        partial.replace(path)
+        PlainFolder(path.parent).replace(partial.name, path.name)
     else:
-        partial.unlink()
+        _remove(partial, "")
     return kept
 
 
 def _remove(path: Path, *endings: str) -> None:
     for ending in endings:
-        path.with_name(path.name + ending).unlink(missing_ok=True)
+        PlainFolder(path.parent).remove(path.name + ending)
 
 
 def _rows(db: sqlite3.Connection, table: str) -> Iterator[tuple[Any, ...]]:
     """Yield the whole rows of a table in order, from both ends towards what cannot be read."""
     found: dict[int, tuple[Any, ...]] = {}
+    try:
+        if not is_readable(db, table):
+            return
+    except BROKEN:
+        return
     for order in ("ASC", "DESC"):
         # A damaged schema or page ends the reading, not what was read before.
         with suppress(*BROKEN):
             for number, *row in db.execute(f"SELECT rowid, * FROM {table} ORDER BY rowid {order}"):
                 if number in found:
                     break
-                if row and digest(row[:-1]) == row[-1]:
+                if _is_whole(table, row):
                     found[number] = tuple(row)
     for number in sorted(found):
         yield found[number]
 
 
+def _is_whole(table: str, row: Sequence[Any]) -> bool:
+    try:
+        check_row(table, tuple(row))
+    except ValueError:
+        return False
+    return bool(digest(row[:-1]) == row[-1])
+
+
 def _unused(path: Path) -> Path:
     number = 1
-    while (copy := path.with_name(f"{path.stem}-damaged-{number}{path.suffix}")).exists():
+    folder = PlainFolder(path.parent)
+    while folder.kind(copy := f"{path.stem}-damaged-{number}{path.suffix}"):
         number += 1
-    return copy
+    return path.with_name(copy)

@@ -18,6 +18,8 @@ import msgspec
 
 from robomore.errors import LedgerDamaged, LedgerError, RoboMoReError, StorageFailed
 from robomore.store.opening import BROKEN, DAMAGE, DamageError, open_to_read, open_to_write
+from robomore.store.schema import CREATE, SCHEMA, foreign_objects, has_our_tables
+from robomore.text import one_line
 
 T = TypeVar("T")
 
@@ -25,14 +27,14 @@ T = TypeVar("T")
 class Rows:
     """A connection to a ledger's file. May be used from several threads."""
 
-    def __init__(self, path: Path, schema: int, read_only: bool, durable: bool) -> None:
-        """Open the file at `path`, which is made if it is missing.
+    def __init__(self, path: Path, read_only: bool, durable: bool) -> None:
+        """Open the file at `path`, which is made with its tables if it is missing.
 
-        The caller knows version `schema` of its tables. If `read_only`, nothing is written, not
+        If `read_only`, nothing is written, not
         even a new file. If `durable`, a commit survives the machine, not only the process.
 
         Raises:
-            LedgerError: damaged, or of another version.
+            LedgerError: damaged, of another version, or with more in it than our own tables.
             StorageFailed: it cannot be opened now.
         """
         self._path = path
@@ -43,8 +45,15 @@ class Rows:
                 self._db = open_to_read(path, self._open)
             else:
                 self._db = open_to_write(path, durable, self._open)
-            (self._version,) = self._db.execute("PRAGMA user_version").fetchone()
-            self._refuse_other(schema)
+            # Before anything that would run what somebody else put into the file.
+            if foreign := foreign_objects(self._db):
+                raise self._foreign(foreign[0])
+            (version,) = self._db.execute("PRAGMA user_version").fetchone()
+            self._refuse_other(version)
+            if version == 0:
+                self._db.executescript(f"BEGIN; {CREATE} PRAGMA user_version={SCHEMA}; COMMIT;")
+            if not has_our_tables(self._db):
+                raise self.damaged("its tables are not those of a ledger")
             found = self._db.execute("PRAGMA integrity_check(1)").fetchone()
             if found != ("ok",):
                 raise self.damaged(found[0] if found else "its structure is broken")
@@ -63,8 +72,14 @@ class Rows:
     def damaged(self, reason: object) -> LedgerDamaged:
         """Return what is said where the file is not what was written."""
         return LedgerDamaged(
-            f"the ledger {self._path} is damaged ({_in_one_line(reason)}); start its run again "
+            f"the ledger {self._path} is damaged ({one_line(str(reason))}); start its run again "
             "with the same command, which keeps every row that is whole and does the rest again"
+        )
+
+    def _foreign(self, what: str) -> LedgerError:
+        return LedgerError(
+            f"the ledger {self._path} holds a {one_line(what)}, which no RoboMoRe wrote and which "
+            "could run whatever its author wanted; do not use this run folder"
         )
 
     def restore(self, table: str, row: tuple[Any, ...]) -> None:
@@ -72,23 +87,17 @@ class Rows:
         places = ", ".join("?" * len(row))
         self._execute(f"INSERT OR REPLACE INTO {table} VALUES ({places})", row)
 
-    def _refuse_other(self, schema: int) -> None:
-        if self._version > schema:
+    def _refuse_other(self, version: int) -> None:
+        if version > SCHEMA:
             raise LedgerError(
-                f"{self._path} has version {self._version}, this RoboMoRe reads up to {schema}; "
+                f"{self._path} has version {version}, this RoboMoRe reads up to {SCHEMA}; "
                 "install a newer RoboMoRe"
             )
-        if 0 < self._version < schema:
+        if version != 0 and version < SCHEMA:
             raise LedgerError(
-                f"{self._path} has version {self._version}, this RoboMoRe reads {schema}; install "
+                f"{self._path} has version {version}, this RoboMoRe reads {SCHEMA}; install "
                 "the RoboMoRe that wrote it, or start anew with another --out"
             )
-
-    def _script(self, statements: str) -> None:
-        try:
-            self._db.executescript(statements)
-        except BROKEN as error:
-            raise self._failure(error) from None
 
     def _insert(self, table: str, *columns: Any) -> None:
         """Write one row, in the place of one with the same key; time and digest are added."""
@@ -133,7 +142,7 @@ class Rows:
         if code is None or code in DAMAGE or code & 0xFF in DAMAGE:
             return self.damaged(error)
         return StorageFailed(
-            f"the ledger {self._path} cannot be used now ({_in_one_line(error)}); free disk space "
+            f"the ledger {self._path} cannot be used now ({one_line(str(error))}); free disk space "
             "or make the folder writable, then the same command goes on: everything that was "
             "finished is kept"
         )
@@ -149,7 +158,3 @@ def digest(columns: Iterable[Any]) -> bytes:
         part = column if isinstance(column, bytes) else repr(column).encode()
         text.update(len(part).to_bytes(8, "little") + part)
     return text.digest()[:16]
-
-
-def _in_one_line(reason: object) -> str:
-    return " ".join(str(reason).split())

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import sqlite3
 from contextlib import suppress
 from pathlib import Path
 
 from robomore.errors import RunFolderError, StorageFailed
+from robomore.plain_files import PlainFolder
 from robomore.store.manifest import Manifest
+from robomore.store.opening import refuse_unsafe
 
 _PROBE_BYTES = 4 * 2**20
+_FOLDERS = {"artifacts": 2, "checkpoints": 2, "scratch": 1, "champion": 1}
+"""Folders in a run's folder, and how many levels of each are used."""
 
 
 class RunFolder:
@@ -41,19 +44,25 @@ class RunFolder:
         self._probe = path / "probe.partial"
         self._held: sqlite3.Connection | None = None
 
+    @property
+    def files(self) -> PlainFolder:
+        """What is in the folder, read, written and removed without following links."""
+        return PlainFolder(self.path)
+
     @classmethod
     def existing(cls, path: Path) -> RunFolder:
         """Return the folder of a run that was started before.
 
         Raises:
-            RunFolderError: there is none.
+            RunFolderError: there is none, or something in it is no plain file.
         """
         folder = cls(path)
-        if not folder.manifest.is_file():
+        if not folder.files.is_file(folder.manifest.name):
             raise RunFolderError(
                 f"{path} is not a run folder (it has no {folder.manifest.name}); "
                 "name a folder that `robomore run` wrote"
             )
+        folder.refuse_links()
         return folder
 
     @classmethod
@@ -61,19 +70,23 @@ class RunFolder:
         """Return the folder of a new run, or of the same run to be continued; hold its lock.
 
         Raises:
-            RunFolderError: not writable, in use, or the folder of another run.
+            RunFolderError: not writable, in use, the folder of another run, or with something in
+                it that is no plain file.
         """
         folder = cls(path)
         try:
-            folder.artifacts.mkdir(parents=True, exist_ok=True)
+            path.mkdir(parents=True, exist_ok=True)
+            folder.refuse_links()
+            for inner in (folder.artifacts, folder.checkpoints, folder.scratch):
+                folder.files.make(inner.name)
             # SQLite opens what it may not write to, and says nothing before it has to write.
-            folder._probe.touch()
-            folder._probe.unlink()
+            folder.files.write(folder._probe.name, b"")
+            folder.files.remove(folder._probe.name)
             folder._hold_lock()
-            if folder.manifest.exists():
+            if folder.files.is_file(folder.manifest.name):
                 Manifest.load(folder.manifest).refuse_other(asked, path)
             else:
-                if folder.ledger.exists():
+                if folder.files.is_file(folder.ledger.name):
                     raise RunFolderError(
                         f"{path} has a ledger but no {folder.manifest.name}; "
                         "choose another folder with --out"
@@ -95,10 +108,7 @@ class RunFolder:
             StorageFailed: no file of a policy's size can be written now.
         """
         try:
-            with self._probe.open("wb") as file:
-                file.write(bytes(_PROBE_BYTES))
-                file.flush()
-                os.fsync(file.fileno())
+            self.files.write(self._probe.name, bytes(_PROBE_BYTES), to_disk=True)
         except OSError as error:
             raise StorageFailed(
                 f"cannot write to {self.path} ({error.strerror}); free disk space or make the "
@@ -107,7 +117,22 @@ class RunFolder:
             ) from None
         finally:
             with suppress(OSError):
-                self._probe.unlink(missing_ok=True)
+                self.files.remove(self._probe.name)
+
+    def refuse_links(self) -> None:
+        """Refuse the folder if a name that a run uses is taken by a link, a pipe or a device.
+
+        A folder may come from somebody else, and a link in it would lead to other files.
+
+        Raises:
+            RunFolderError: naming it.
+        """
+        used = ("run.", "ledger", "lock", "probe", "report", *_FOLDERS)
+        for name in self.files.names():
+            if name.startswith(used) or name.endswith(".partial"):
+                self.files.kind(name)
+        for name, depth in _FOLDERS.items():
+            self.files.check(name, depth)
 
     def release(self) -> None:
         """Let go of the lock."""
@@ -120,10 +145,12 @@ class RunFolder:
 
         SQLite's own file lock works on every platform and falls with the process, however it ends.
         """
+        refuse_unsafe(self._lock, to_write=True)
         connection = sqlite3.connect(self._lock, timeout=0, isolation_level=None)
         try:
+            connection.execute("PRAGMA journal_mode=MEMORY")
             connection.execute("BEGIN EXCLUSIVE")
-        except sqlite3.OperationalError as error:
+        except sqlite3.Error as error:
             connection.close()
             if "locked" in str(error):
                 raise RunFolderError(
@@ -131,6 +158,7 @@ class RunFolder:
                     "with --out"
                 ) from None
             raise RunFolderError(
-                f"cannot write to {self.path} ({error}); choose another folder with --out"
+                f"cannot write to {self._lock} ({error}); remove that file, or choose another "
+                "folder with --out"
             ) from None
         self._held = connection

@@ -1,8 +1,8 @@
-"""Checkpoints: a folder with one JSON file and the arrays that it names, no code in either.
+"""Checkpoints: a folder with JSON files and the arrays that they name, no code in either.
 
-The JSON file is replaced in one step once the arrays it names are on disk, so a reader finds the
-old checkpoint or the new one, whenever the writer dies. It carries digests of the arrays and of
-itself, so that a damaged checkpoint counts as none.
+Each checkpoint has a number and files of its own, the JSON file written last. It carries digests of
+the arrays and of itself, so a reader takes the latest that is whole, whenever the writer dies.
+Nothing is renamed or removed for that, which a sandboxed process may not do.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
+import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,10 +20,13 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.plain_files import PlainFolder
+
 log = logging.getLogger(__name__)
 
-INDEX = "checkpoint.json"
-VERSION = 3
+VERSION = 4
+_NAME = re.compile(r"(checkpoint|arrays|environment)-(\d{1,9})\.(json|npz)")
+_PARTS = ("arrays", "environment")
 
 
 @dataclass(frozen=True)
@@ -42,39 +47,51 @@ class Checkpoint:
 def save_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
     """Write `checkpoint` into `folder`, in the place of what it held."""
     folder.mkdir(parents=True, exist_ok=True)
-    before = _index(folder)
-    generation = before["generation"] + 1 if before else 0
-    files = {part: f"{part}-{generation}.npz" for part in ("arrays", "environment")}
-    for part, name in files.items():
-        arrays = getattr(checkpoint, part)
-        plain: dict[str, Any] = {key: np.asarray(value) for key, value in arrays.items()}
-        np.savez(folder / name, allow_pickle=False, **plain)
-    index = {"version": VERSION, "generation": generation, "facts": checkpoint.facts, **files}
-    index["digests"] = {part: _file_digest(folder / name) for part, name in files.items()}
-    temporary = folder / f"{INDEX}.new"
-    temporary.write_text(json.dumps(index | {"digest": _digest(index)}), encoding="utf-8")
-    temporary.replace(folder / INDEX)
-    for path in folder.glob("*.npz"):
-        if path.name not in files.values():
-            path.unlink()
+    number = next((number + 1 for number in _numbers(folder) if _index(folder, number)), 0)
+    digests = {}
+    for part in _PARTS:
+        plain: dict[str, Any] = {k: np.asarray(v) for k, v in getattr(checkpoint, part).items()}
+        path = folder / f"{part}-{number}.npz"
+        np.savez(path, allow_pickle=False, **plain)
+        digests[part] = _file_digest(path)
+    index = {"version": VERSION, "number": number, "facts": checkpoint.facts, "digests": digests}
+    text = json.dumps(index | {"digest": _digest(index)})
+    _index_path(folder, number).write_text(text, encoding="utf-8")
+    with suppress(PermissionError):  # of a sandboxed process; whoever started it does it then
+        drop_older(folder)
 
 
 def load_checkpoint(folder: Path) -> Checkpoint | None:
     """Return what `folder` holds, `None` where there is nothing or nothing that can be read."""
-    index = _index(folder)
-    if index is None:
-        return None
-    try:
-        parts = []
-        for part in ("arrays", "environment"):
-            if _file_digest(folder / index[part]) != index["digests"][part]:
-                raise ValueError(f"{index[part]} does not match its digest")
-            with np.load(folder / index[part], allow_pickle=False) as stored:
-                parts.append({name: stored[name] for name in stored.files})
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-        log.warning("the checkpoint in %s cannot be read (%s); starting anew", folder, error)
-        return None
-    return Checkpoint(index["facts"], *parts)
+    for number in _numbers(folder):
+        index = _index(folder, number)
+        if index is None:
+            continue
+        try:
+            parts = []
+            for part in _PARTS:
+                path = folder / f"{part}-{number}.npz"
+                if _file_digest(path) != index["digests"][part]:
+                    raise ValueError(f"{path.name} does not match its digest")
+                with np.load(path, allow_pickle=False) as stored:
+                    parts.append({name: stored[name] for name in stored.files})
+            return Checkpoint(index["facts"], *parts)
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+            _warn(folder, error)
+    return None
+
+
+def drop_older(folder: Path) -> None:
+    """Remove all that does not belong to the latest checkpoint in `folder`, if there is one.
+
+    Nothing is read, so that it does no harm whoever wrote the files.
+    """
+    files = PlainFolder(folder)
+    numbers = _numbers(folder)
+    for name in files.names() if numbers else ():
+        match = _NAME.fullmatch(name)
+        if match is None or int(match[2]) != numbers[0]:
+            files.remove(name)
 
 
 def checkpoint_of(folder: Path, identity: Any, most_steps: int) -> Checkpoint | None:
@@ -97,18 +114,32 @@ def checkpoint_of(folder: Path, identity: Any, most_steps: int) -> Checkpoint | 
     return found
 
 
-def _index(folder: Path) -> dict[str, Any] | None:
-    """Return what the JSON file says, `None` where there is none or it is not what was written."""
+def _numbers(folder: Path) -> list[int]:
+    """Return the numbers of the JSON files, the latest first."""
+    matches = (_NAME.fullmatch(name) for name in PlainFolder(folder).names())
+    return sorted((int(m[2]) for m in matches if m and m[1] == "checkpoint"), reverse=True)
+
+
+def _index_path(folder: Path, number: int) -> Path:
+    return folder / f"checkpoint-{number}.json"
+
+
+def _index(folder: Path, number: int) -> dict[str, Any] | None:
+    """Return what a JSON file says, `None` where it is not what was written."""
     try:
-        index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
+        index = json.loads(_index_path(folder, number).read_text(encoding="utf-8"))
         if not isinstance(index, dict) or index.pop("digest", None) != _digest(index):
             raise ValueError("it does not match its digest")
-    except FileNotFoundError:
+        if index["version"] != VERSION or index["number"] != number:
+            raise ValueError("it is of another version, or was given another name")
+    except (OSError, ValueError, KeyError, RecursionError) as error:
+        _warn(folder, error)
         return None
-    except (OSError, ValueError, RecursionError) as error:
-        log.warning("the checkpoint in %s cannot be read (%s); starting anew", folder, error)
-        return None
-    return index if index.get("version") == VERSION else None
+    return index
+
+
+def _warn(folder: Path, error: Exception) -> None:
+    log.warning("the checkpoint in %s cannot be read (%s); starting anew", folder, error)
 
 
 def _digest(index: dict[str, Any]) -> str:

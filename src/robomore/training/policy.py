@@ -16,6 +16,7 @@ from robomore.sandbox.untrusted_files import read_arrays
 POLICY = "policy.npz"
 """Name of a policy's file in the folder of whatever it belongs to."""
 
+_MOST_LAYERS = 16
 _MOST_BYTES = 64 * 2**20
 """Size of a policy's file; those trained here have less than 1 MiB."""
 
@@ -34,6 +35,11 @@ class MLPPolicy:
     weights: tuple[NDArray[np.float32], ...]
     biases: tuple[NDArray[np.float32], ...]
 
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Sizes of observations, of each hidden layer, and of actions."""
+        return (self.weights[0].shape[0], *(weight.shape[1] for weight in self.weights))
+
     def act(self, observations: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
         """Return actions (n, actions) in [-1, 1] for `observations` (n, observations)."""
         hidden = np.asarray(observations, dtype=np.float32)
@@ -47,8 +53,10 @@ class MLPPolicy:
         """Return the content of a policy file: `.npz` with `weight0`, `bias0`, `weight1`, …"""
         arrays = {f"weight{i}": weight for i, weight in enumerate(self.weights)}
         arrays |= {f"bias{i}": bias for i, bias in enumerate(self.biases)}
+        # As `read_arrays` wants them.
+        plain = {name: np.ascontiguousarray(array, np.float32) for name, array in arrays.items()}
         file = io.BytesIO()
-        np.savez(file, **arrays)  # type: ignore[arg-type]  # numpy types **kwargs as its own flags
+        np.savez(file, **plain)  # type: ignore[arg-type]  # numpy types **kwargs as its own flags
         return file.getvalue()
 
     def save(self, path: Path) -> None:
@@ -62,13 +70,13 @@ class MLPPolicy:
         Raises:
             ValueError: the file is not a policy (missing layers, wrong shapes, non-finite numbers).
         """
-        arrays = read_arrays(path, _MOST_BYTES)
-        layers = sum(name.startswith("weight") for name in arrays)
-        try:
-            weights = tuple(arrays[f"weight{i}"].astype(np.float32) for i in range(layers))
-            biases = tuple(arrays[f"bias{i}"].astype(np.float32) for i in range(layers))
-        except KeyError as error:
-            raise ValueError(f"{path} is not a policy: {error}") from None
+        arrays = read_arrays(path, _MOST_BYTES, most_members=2 * _MOST_LAYERS)
+        layers = len(arrays) // 2
+        names = {f"{part}{i}" for part in ("weight", "bias") for i in range(layers)}
+        if arrays.keys() != names:
+            raise ValueError(f"{path} is not a policy: it holds {', '.join(sorted(arrays))}")
+        weights = tuple(arrays[f"weight{i}"] for i in range(layers))
+        biases = tuple(arrays[f"bias{i}"] for i in range(layers))
         if any(array.ndim != 2 for array in weights) or any(array.ndim != 1 for array in biases):
             raise ValueError(f"{path} is not a policy: its layers are no matrices and vectors")
         if not layers or any(not np.isfinite(array).all() for array in (*weights, *biases)):

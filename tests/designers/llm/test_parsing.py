@@ -2,7 +2,9 @@
 
 A file of `replies/` has headers, `---`, and the reply. Headers: `kind`; `accepted` (the idea of
 the proposal) or `fault` (a part of the error); `truncated`; `escapes` (the reply is
-written with Python's escapes); `repeat` (the reply is that often as long).
+written with Python's escapes); `repeat` (the reply is that often as long); `task` and `values`
+(of another task's morphology); `terms` and `reward` (of another reward). Names with `model` are
+modelled on what reasoning models and local servers send, those with `seen` on reports by users.
 """
 
 from __future__ import annotations
@@ -20,9 +22,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from measured import SWIMMER
 
-from robomore.designers.llm.extraction import LONGEST, NotFound, find_code, find_object
+from robomore.designers.llm.code_extraction import find_code
+from robomore.designers.llm.extraction import LONGEST, NotFound, find_object
 from robomore.designers.llm.parsing import InvalidReply, parse_morphology, parse_reward
 from robomore.rewards.check import Finding
+from robomore.tasks import get_task
 from robomore.types import Morphology, Reward
 
 REPLIES = sorted((Path(__file__).parent / "replies").glob("*.txt"))
@@ -43,7 +47,8 @@ class Case:
 
     @classmethod
     def read(cls, path: Path) -> Case:
-        head, _, reply = path.read_text(encoding="utf-8").partition("\n---\n")
+        # Line ends are part of a reply.
+        head, _, reply = path.read_bytes().decode().partition("\n---\n")
         headers = dict(line.partition(": ")[::2] for line in head.split("\n"))
         headers = {name.rstrip(":"): value for name, value in headers.items()}
         if "escapes" in headers:
@@ -53,7 +58,9 @@ class Case:
     def parse(self) -> Morphology | Reward:
         truncated = "truncated" in self.headers
         if self.kind == "morphology":
-            return parse_morphology(self.reply, SWIMMER, [TAKEN_BODY], truncated)
+            task = get_task(self.headers["task"]) if "task" in self.headers else SWIMMER
+            taken = [] if "task" in self.headers else [TAKEN_BODY]
+            return parse_morphology(self.reply, task, taken, truncated)
         return parse_reward(self.reply, [TAKEN_REWARD], truncated)
 
 
@@ -71,13 +78,15 @@ def test_reply(path: Path) -> None:
         assert proposal.idea == case.headers["accepted"]
         msgspec.json.encode(proposal)
         if isinstance(proposal, Morphology):
-            assert proposal.parameters == EXPECTED
+            values = case.headers.get("values", "").split()
+            assert proposal.parameters == (tuple(map(float, values)) or EXPECTED)
         else:
             scope: dict = {"np": np}
             exec(proposal.source, scope)
             robot = type("Robot", (), {"data": type("Data", (), {"time": 0.0})})()
             reward, terms = scope["_get_rew"](robot, 2.0, np.ones(2))
-            assert reward == pytest.approx(1.98) and set(terms) == {"speed", "effort"}
+            assert reward == pytest.approx(float(case.headers.get("reward", "1.98")))
+            assert set(terms) == set(case.headers.get("terms", "speed effort").split())
     assert time.monotonic() - started < 10.0
 
 
@@ -113,9 +122,19 @@ def test_noise_never_breaks_the_parsers(noise: str) -> None:
             assert bad.errors
 
 
-HOSTILE = ["{", '{"', '"', "// ", "```\n", "<think>", "def f(", "import a\n"]
+HOSTILE = ["[THINK]", "{", '{"', '"', "// ", "```\n", "<think>", "def f(", "import a\n"]
 MORE_HOSTILE = ["{'a':", '{"parameters":', "[", "'", "\\", "{#", " ", "\n", "`", "~~~\n"]
-MORE_HOSTILE += ["</think>", "class A:\n", "# ", '"""', "x = 1\n"]
+MORE_HOSTILE += ["</think>", "class A:\n", "# ", '"""', "x = 1\n", "<think></thought>", '"\\']
+MORE_HOSTILE += ["[a][/a]", "<|channel|>analysis", "<|channel|>final", "<answer>", "/*", "``~"]
+MORE_HOSTILE += [
+    "```thinking\n",
+    "Final:\n",
+    "assistantfinal",
+    "'\\",
+    "<a " + "b" * 190,
+    "</answer>",
+]
+MORE_HOSTILE += ["```\ndef _get_rew():\n x=1\n```\n", "```\ny=x\n```\n", '{"a":"{', "_", "<|x|>"]
 
 
 @pytest.mark.parametrize(

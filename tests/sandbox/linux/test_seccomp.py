@@ -109,6 +109,15 @@ def test_other_conventions(machine: str) -> None:
         ("openat", (-100, 0x1000, 0o1101), ALLOW),  # write, create, truncate: for Landlock to say
         ("openat", (-100, 0x1000, 0o1000), REFUSE),  # read and truncate
         ("open", (0x1000, 0o1000), REFUSE),
+        ("openat", (-100, 0x1000, 0o20200002), REFUSE),  # without a name
+        ("open", (0x1000, 0o20200002), REFUSE),
+        ("mmap", (0, 4096, 3, 0x22, -1, 0), ALLOW),  # private memory, which limits count
+        ("mmap", (0, 4096, 3, 0x4022, -1, 0), ALLOW),
+        ("mmap", (0, 4096, 3, 0x1, 5, 0), ALLOW),  # a file
+        ("mmap", (0, 4096, 3, 0x20022, -1, 0), ALLOW),  # what pthread_create passes
+        ("mmap", (0, 4096, 3, 0x21, -1, 0), REFUSE),
+        ("mmap", (0, 4096, 3, 0x23, -1, 0), REFUSE),
+        ("mmap", (0, 4096, 3, 0x122, -1, 0), REFUSE),  # a stack that grows
         ("ioctl", (3, 0x5401), ALLOW),
         ("ioctl", (3, 0x5412), REFUSE),  # to type into a terminal
         ("fcntl", (3, 3), ALLOW),

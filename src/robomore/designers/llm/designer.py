@@ -22,8 +22,9 @@ from robomore.designers.llm.prompting import (
     render_prompt,
     repair_message,
 )
-from robomore.errors import InputError, ProposalFailed
+from robomore.errors import InputError, ModelUnavailable, ProposalFailed
 from robomore.llm import BudgetedClient, Exchange, Message, Request, Sampling
+from robomore.llm.trouble import Trouble, prompt_cut, trouble_with
 from robomore.rewards.check import check_reward
 from robomore.tasks.task import Task
 from robomore.types import Evaluation, Morphology, Reward, Slot
@@ -33,6 +34,10 @@ Pictures = Callable[[Evaluation], Sequence[bytes]]
 
 _LONGEST_ECHO = 12_000
 """Characters of an invalid reply that are sent back with its errors."""
+_MOST_ALIKE = 2
+"""Answers for one slot with a trouble that lasts. After that, repeating is no use."""
+_MOST_USELESS = 4
+"""Such answers after which a run stops that has not had a single useful one."""
 
 T = TypeVar("T")
 
@@ -104,6 +109,8 @@ class LLMDesigner:
         # parse at once (cpython#106905), and parallel dry runs would slow each other down.
         self._lock = threading.Lock()
         self._schema = morphology_schema(task)
+        self._useful = False
+        self._useless = 0
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """Return a morphology unlike all `earlier` ones (paper, Alg. 1: ProposeMorphology)."""
@@ -166,7 +173,8 @@ class LLMDesigner:
                 found = self._dry_run(reward.source)
                 # A warning is sent back once. After that, the model's choice is accepted.
                 may_warn = not exchange.repair and self._settings.repairs
-                if error_messages(found) or (found and may_warn):
+                warned = any(finding.severity == "warning" for finding in found)
+                if error_messages(found) or (warned and may_warn):
                     raise InvalidReply(messages(found))
             return reward
 
@@ -179,31 +187,70 @@ class LLMDesigner:
         parse: Callable[[Exchange], T],
         schema: dict[str, Any] | None,
     ) -> T:
-        """Ask until a reply is valid, and send its errors back each time."""
+        """Ask until a reply is valid, and send its errors back each time.
+
+        Raises:
+            ProposalFailed: the repairs are used up, or repeating cannot help.
+            ModelUnavailable: no answer was of any use so far, for a reason that lasts.
+        """
         *before, question = prompt
         if slot.attempt:
             # Some models give the same answer to the same words.
             fresh = render("fresh", attempt=str(slot.attempt + 1))
             question = replace(question, text=f"{question.text}\n\n{fresh}")
         conversation = (*before, question)
+        alike = 0
         for repair in range(self._settings.repairs + 1):
             request = Request(slot, repair, conversation, schema, self._settings.sampling)
             exchange = self._client.ask(request)
+            trouble = trouble_with(exchange)
+            alike = alike + 1 if trouble and trouble.lasting else 0
             try:
                 if exchange.validation_errors:
                     raise InvalidReply(exchange.validation_errors)
                 with self._lock:
                     proposal = parse(exchange)
             except InvalidReply as invalid:
-                errors = invalid.errors
+                errors = _explained(invalid.errors, trouble)
                 self._client.set_errors(exchange, errors)
             else:
+                self._useful = True
                 self._client.set_errors(exchange, ())
                 return proposal
+            self._stop_if_useless(trouble)
+            if alike == _MOST_ALIKE:
+                break
             # Some providers refuse an empty message.
             echo = exchange.reply[:_LONGEST_ECHO] or "(no answer)"
             conversation = (*conversation, Message("assistant", echo), repair_message(errors))
+        said = [trouble.to_user] if trouble else list(errors)
+        if cut := prompt_cut(exchange.messages, exchange.input_tokens):
+            said.append(cut)
         raise ProposalFailed(
-            f"no usable {slot.kind} in {self._settings.repairs + 1} answers; wrong with the last: "
-            + "; ".join(errors)
+            f"no usable {slot.kind} in {repair + 1} answers; wrong with the last: "
+            + "; ".join(said)
         )
+
+    def _stop_if_useless(self, trouble: Trouble | None) -> None:
+        """Raise `ModelUnavailable` if all answers so far were useless for a reason that lasts."""
+        if trouble is None or not trouble.lasting:
+            # The model can answer, although not yet in the right form.
+            self._useful = True
+            return
+        self._useless += 1
+        if self._useless >= _MOST_USELESS and not self._useful:
+            raise ModelUnavailable(
+                f"{self._client.model.name} gave {self._useless} answers without content: "
+                f"{trouble.to_user}. Start a new run (--out) with other settings"
+            )
+
+
+def _explained(errors: Sequence[str], trouble: Trouble | None) -> tuple[str, ...]:
+    """Return the errors of a reply with the true reason first."""
+    if trouble is None:
+        return tuple(errors)
+    others = [e for e in errors if e not in (trouble.to_model, "the answer is empty")]
+    if trouble.lasting:
+        # Nothing else about such an answer is worth a correction.
+        return (trouble.to_model,)
+    return (trouble.to_model, *others)

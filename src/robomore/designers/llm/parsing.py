@@ -7,7 +7,8 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from robomore.designers.llm.extraction import NotFound, find_code, find_object
+from robomore.designers.llm.code_extraction import find_code
+from robomore.designers.llm.extraction import NotFound, find_object
 from robomore.errors import InvalidMorphology
 from robomore.rewards.check import NAME, Finding, check_reward
 from robomore.tasks.task import Task

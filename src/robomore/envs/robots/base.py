@@ -55,6 +55,7 @@ class RobotEnvironment(MujocoEnv):
         self._parameters = task.check(parameters)
         self._reward = reward
         self._reward_attributes: set[str] = set()
+        self._reward_calls = 0
         chosen = {**task.options(task.named(self._parameters)), **options}
         super().__init__(render_mode=render_mode, **chosen)
         # The official constructor has noted its own arguments for pickling; these are ours.
@@ -78,6 +79,11 @@ class RobotEnvironment(MujocoEnv):
         `None` if that is the first number of `qpos`.
         """
         return None
+
+    @property
+    def training_steps(self) -> int:
+        """Control steps done so far, over all episodes and all simulations of a training."""
+        return self._reward_calls
 
     @property
     def observes_forces(self) -> bool:
@@ -118,6 +124,7 @@ class RobotEnvironment(MujocoEnv):
     def _get_rew(self, x_velocity: float, action: Array) -> tuple[float, Mapping[str, float]]:
         known = set(vars(self))
         result = self._reward(self, x_velocity, action)
+        self._reward_calls += 1
         self._reward_attributes |= vars(self).keys() - known
         return result
 

@@ -17,14 +17,15 @@ _CREATE_RULESET, _ADD_RULE, _RESTRICT_SELF = 444, 445, 446
 _VERSION_FLAG = 1
 _PATH_BENEATH = 1
 
-_EXECUTE, _WRITE_FILE, _READ_FILE, _READ_DIR, _REMOVE_DIR, _REMOVE_FILE = (1 << n for n in range(6))
+_EXECUTE, _WRITE_FILE, _READ_FILE, _READ_DIR = (1 << n for n in range(4))
 _MAKE_DIR, _MAKE_REG = 1 << 7, 1 << 8
 _FIRST_ABI_FILES = (1 << 13) - 1
 _REFER, _TRUNCATE, _IOCTL_DEVICE = 1 << 13, 1 << 14, 1 << 15
 
 READ = _READ_FILE | _READ_DIR
 # No links, sockets, pipes or devices: whoever reads the folder afterwards finds plain files in it.
-WRITE = READ | _WRITE_FILE | _REMOVE_DIR | _REMOVE_FILE | _MAKE_DIR | _MAKE_REG | _REFER | _TRUNCATE
+# And nothing is removed or moved, so that whoever counts what the files take sees all of them.
+WRITE = READ | _WRITE_FILE | _MAKE_DIR | _MAKE_REG | _TRUNCATE
 _FOR_FILES = _EXECUTE | _WRITE_FILE | _READ_FILE | _TRUNCATE | _IOCTL_DEVICE
 
 _TCP = 0b11
@@ -63,7 +64,7 @@ def restrict(readable: Iterable[str], writable: Iterable[str]) -> str:
 
     Args:
         readable: files and folders (with all beneath them) to read; missing ones are passed over.
-        writable: folders to make, change and remove plain files and folders in, and files to write.
+        writable: folders to make and change plain files and folders in, and files to write.
 
     Returns:
         What is now enforced, in words.

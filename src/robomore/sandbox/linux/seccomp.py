@@ -36,7 +36,8 @@ _RECENT = 403
 
 _NEW_THREAD = 0x00010000
 _NEW_NAMESPACE = 0x7E020000
-_TRUNCATE, _ACCESS_MODE = 0o1000, 0o3
+_TRUNCATE, _ACCESS_MODE, _NAMELESS = 0o1000, 0o3, 0o20000000
+_SHARED, _ANONYMOUS, _GROWS_DOWN = 0x1, 0x20, 0x100
 # Names of threads and of memory, and questions; not the signal on a parent's death, which is set.
 _PRCTL = (3, 15, 16, 21, 23, 39, 42, 0x53564D41)
 # Is it a terminal, close on exec, blocking, bytes to read; the last is a recent form of the first.
@@ -132,9 +133,18 @@ class _Program(ctypes.Structure):
 def _conditions(pid: int) -> dict[str, list[Instruction]]:
     """Return what decides on each call that is allowed with certain arguments only."""
     return {
-        # Reading alone must not empty a file, which Landlock before ABI 3 would let happen.
-        "open": _not_read_and_truncate(1),
-        "openat": _not_read_and_truncate(2),
+        "open": _open(1),
+        "openat": _open(2),
+        # Memory that RLIMIT_DATA does not count: without a file and shared, or growing as a stack.
+        "mmap": [
+            _argument(3),
+            Instruction(_ANY_BIT, 0, 1, _GROWS_DOWN),
+            _end(_REFUSE),
+            Instruction(_AND, 0, 0, _SHARED | _ANONYMOUS),
+            Instruction(_EQUAL, 0, 1, _SHARED | _ANONYMOUS),
+            _end(_REFUSE),
+            _end(_ALLOW),
+        ],
         "clone": [
             _argument(0),
             Instruction(_ANY_BIT, 0, 1, _NEW_NAMESPACE),
@@ -162,9 +172,15 @@ def _conditions(pid: int) -> dict[str, list[Instruction]]:
     }
 
 
-def _not_read_and_truncate(index: int) -> list[Instruction]:
+def _open(index: int) -> list[Instruction]:
+    """Refuse files without a name, which take space that nobody sees.
+
+    Reading alone must not empty a file either, which Landlock before ABI 3 would let happen.
+    """
     return [
         _argument(index),
+        Instruction(_ANY_BIT, 0, 1, _NAMELESS),
+        _end(_REFUSE),
         Instruction(_AND, 0, 0, _TRUNCATE | _ACCESS_MODE),
         Instruction(_EQUAL, 0, 1, _TRUNCATE),
         _end(_REFUSE),

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _TICKS = os.sysconf("SC_CLK_TCK")
-_PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,38 +15,48 @@ class Usage:
 
     Attributes:
         cpu: seconds of processor time, in steps of about 0.01 s.
-        memory: bytes resident now.
+        memory: bytes resident or swapped out now, page tables included.
         threads: how many there are.
+        peak_memory: most bytes that were ever resident.
     """
 
     cpu: float
     memory: int
     threads: int
+    peak_memory: int = 0
 
 
 def usage(pid: int) -> Usage | None:
     """Return what process `pid` has used, or `None` where that cannot be read."""
     try:
         stat = Path(f"/proc/{pid}/stat").read_bytes()
+        memory = _memory(pid)
     except OSError:
         return None
     # The name in parentheses may itself hold spaces and parentheses. See proc_pid_stat(5).
     fields = stat.rpartition(b")")[2].split()
     return Usage(
         cpu=(int(fields[11]) + int(fields[12])) / _TICKS,
-        memory=int(fields[21]) * _PAGE,
+        memory=sum(memory.get(name, 0) for name in (b"VmRSS", b"VmSwap", b"VmPTE")),
         threads=int(fields[17]),
+        peak_memory=memory.get(b"VmHWM", 0),
     )
 
 
-def peak_memory(pid: int) -> int:
-    """Return the most bytes that process `pid` ever had resident, 0 where that cannot be read."""
-    try:
-        status = Path(f"/proc/{pid}/status").read_bytes()
-    except OSError:
-        return 0
-    lines = [line for line in status.splitlines() if line.startswith(b"VmHWM:")]
-    return int(lines[0].split()[1]) * 1024 if lines else 0
+def _memory(pid: int) -> dict[bytes, int]:
+    """Return the process's memory by the kernel's names, in bytes; nothing once it has ended.
+
+    Its first thread may end while others go on. Then only they tell of the memory that all share.
+    """
+    statuses = [Path(f"/proc/{pid}/status")]
+    for status in statuses:
+        lines = [line.split() for line in status.read_bytes().splitlines()]
+        found = {line[0][:-1]: int(line[1]) << 10 for line in lines if line[0].startswith(b"Vm")}
+        if found:
+            return found
+        if len(statuses) == 1:
+            statuses += [task / "status" for task in Path(f"/proc/{pid}/task").iterdir()]
+    return {}
 
 
 def folder_bytes(folder: Path, most_entries: int) -> int | None:

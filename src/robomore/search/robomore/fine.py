@@ -3,29 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
 from robomore.designers.designer import Designer
 from robomore.errors import ProposalFailed
-from robomore.search.measure import Evaluate, improves
+from robomore.search.measure import Evaluate
 from robomore.search.method import SearchContext
 from robomore.search.propose import independent
+from robomore.search.robomore.branch import REPEAT, Branch
 from robomore.search.robomore.planning import FINE
 from robomore.types import Design, Evaluation, Place, Slot, Trial
 
 T = TypeVar("T")
-
-
-@dataclass
-class _Branch:
-    """One survivor on its way: its best so far, and what it has seen."""
-
-    index: int
-    best: Evaluation
-    history: list[Evaluation]
-    improved: bool = True
 
 
 def fine(
@@ -35,8 +26,9 @@ def fine(
     grid: Sequence[Evaluation],
     max_cycles: int,
     context: SearchContext,
+    close_call: float = 0.0,
 ) -> list[Evaluation]:
-    """Return each survivor's best after refinement, in the survivors' order (paper, Alg. 1).
+    """Return each survivor's best after refinement, best first (paper, Alg. 1).
 
     Branches advance side by side, one batch a half-cycle, and each sees the grid and its own
     trials only, so the result does not depend on how many run at once. A half-cycle for which the
@@ -49,8 +41,11 @@ def fine(
         grid: all evaluations of the coarse stage, those that screening cut short among them.
         max_cycles: most cycles of a branch.
         context: the objective, and how proposals are asked for side by side.
+        close_call: relative difference of two scores up to which a second seed decides; 0 decides
+            by one seed, as the paper does.
     """
-    branches = [_Branch(index, best, list(grid)) for index, best in enumerate(survivors)]
+    objective = context.objective
+    branches = [Branch(index, best, list(grid), close_call) for index, best in enumerate(survivors)]
     for cycle in range(max_cycles):
         active = [branch for branch in branches if branch.improved]
         if not active:
@@ -60,21 +55,22 @@ def fine(
 
         morphologies = _ask(designer.improve_morphology, "morphology", active, cycle, context)
         designs = [(b, Design(new, b.best.design.reward)) for b, new in morphologies]
-        _advance(evaluate, designs, cycle, "morphology", context.objective)
+        _advance(evaluate, designs, cycle, "morphology", objective)
 
         rewards = _ask(designer.improve_reward, "reward", active, cycle, context)
         designs = [(b, Design(b.best.design.morphology, new)) for b, new in rewards]
-        _advance(evaluate, designs, cycle, "reward", context.objective)
+        _advance(evaluate, designs, cycle, "reward", objective)
+    branches.sort(key=lambda branch: -(branch.score(objective) or 0.0))
     return [branch.best for branch in branches]
 
 
 def _ask(
     improve: Callable[[Slot, Evaluation, Sequence[Evaluation]], T],
     kind: str,
-    active: Sequence[_Branch],
+    active: Sequence[Branch],
     cycle: int,
     context: SearchContext,
-) -> list[tuple[_Branch, T]]:
+) -> list[tuple[Branch, T]]:
     """Return a proposal for each branch that the designer has one for."""
     asks = [
         partial(
@@ -95,12 +91,12 @@ def _ask(
 
 def _advance(
     evaluate: Evaluate,
-    designs: Sequence[tuple[_Branch, Design]],
+    designs: Sequence[tuple[Branch, Design]],
     cycle: int,
     changed: str,
     objective: str,
 ) -> None:
-    """Measure the branches' proposals and keep what is better."""
+    """Measure the branches' proposals, close calls twice, and keep what is better."""
     if not designs:
         return
     trials = [
@@ -110,8 +106,43 @@ def _advance(
         )
         for branch, design in designs
     ]
-    for (branch, _), evaluation in zip(designs, evaluate(trials), strict=True):
+    measured = evaluate(trials)
+    for (branch, _), evaluation in zip(designs, measured, strict=True):
         branch.history.append(evaluation)
-        if improves(evaluation, branch.best, objective):
-            branch.best = evaluation
-            branch.improved = True
+    close = [
+        (branch, trial, evaluation)
+        for (branch, _), trial, evaluation in zip(designs, trials, measured, strict=True)
+        if branch.is_close(evaluation, objective)
+    ]
+    seconds = _with_second_seed(evaluate, close, objective)
+    for (branch, _), evaluation in zip(designs, measured, strict=True):
+        branch.consider(evaluation, seconds.get(branch.index), objective)
+
+
+def _with_second_seed(
+    evaluate: Evaluate, close: Sequence[tuple[Branch, Trial, Evaluation]], objective: str
+) -> dict[int, Evaluation]:
+    """Train close proposals, and the best that they are close to, with a second seed.
+
+    Returns:
+        The proposals' second evaluations by the number of their branch.
+    """
+    trials = [Trial(trial.design, replace(trial.place, repeat=REPEAT)) for _, trial, _ in close]
+    waiting = [(branch, trial.place) for branch, trial, _ in close if branch.again is None]
+    trials += [
+        Trial(branch.best.design, replace(place, changed="", repeat=REPEAT))
+        for branch, place in waiting
+    ]
+    if not trials:
+        return {}
+    measured = evaluate(trials)
+    seconds = {}
+    for (branch, _, first), second in zip(close, measured[: len(close)], strict=True):
+        seconds[branch.index] = second
+        branch.history.append(second)
+        branch.note_seeds(first, second, objective)
+    for (branch, _), second in zip(waiting, measured[len(close) :], strict=True):
+        branch.again = second
+        branch.history.append(second)
+        branch.note_seeds(branch.best, second, objective)
+    return seconds

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from robomore.designers.designer import Designer
 from robomore.plan import Plan
-from robomore.search.measure import Evaluate, ranked, top
+from robomore.search.measure import Evaluate, top
 from robomore.search.method import SearchContext
 from robomore.search.robomore.ablation import ablated
 from robomore.search.robomore.coarse import coarse
@@ -56,5 +56,5 @@ class RoboMoRe:
         survivors = top(finished(grid), settings.survivors, objective, pairs)
 
         # Fine: alternate between morphology and reward until a cycle improves neither.
-        refined = fine(designer, evaluate, survivors, grid, settings.max_cycles, context)
-        return ranked(refined, objective)
+        close_call = settings.close_call if settings.improvement == "seeds" else 0.0
+        return fine(designer, evaluate, survivors, grid, settings.max_cycles, context, close_call)

@@ -22,6 +22,10 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
     trainings, batches = _coarse_trainings(settings)
     branches = survivor_count(settings.survivors, pairs)
     cycles = settings.max_cycles
+    trials, fine_batches = 2 * branches * cycles, 2 * cycles
+    if settings.improvement == "seeds" and cycles:
+        # Each proposal is measured twice at most, and so is what a branch begins with.
+        trials, fine_batches = 2 * trials + branches, 2 * fine_batches
     return Plan(
         (
             Stage(
@@ -45,9 +49,9 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
                     ("improve", "morphology", branches * cycles),
                     ("improve", "reward", branches * cycles),
                 ),
-                evaluations=2 * branches * cycles,
-                steps=2 * branches * cycles * candidate.steps,
-                batches=2 * cycles,
+                evaluations=trials,
+                steps=trials * candidate.steps,
+                batches=fine_batches,
                 typical=min(1.0, _TYPICAL_CYCLES / max(1, cycles)),
             ),
         )

@@ -42,6 +42,13 @@ class RoboMoReSettings:
     """Fraction of the grid that the fine stage starts from (k); at least one design."""
     max_cycles: Annotated[int, msgspec.Meta(ge=0)] = 10
     """Most cycles of the fine stage. The paper stops only when a cycle improved nothing."""
+    improvement: Literal["score", "seeds"] = "score"
+    """When a proposal of the fine stage counts as better: `score` compares one training each, as
+    the paper does; `seeds` trains both designs with a second seed if the call is close, and
+    compares the means. That costs up to twice the trainings of the fine stage."""
+    close_call: Fraction = 0.2
+    """With seeds: relative difference of two scores up to which a call is close. Once a branch has
+    measured two designs twice, the difference between their seeds takes its place."""
     screening: Literal["none", "halving"] = "none"
     """How the grid is thinned out: `none` trains every pair to the end, as the paper does;
     `halving` cuts the worst on the way (successive halving)."""

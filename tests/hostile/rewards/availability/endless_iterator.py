@@ -1,6 +1,6 @@
 # attempt: add up a series that never ends
 # expect: timed-out
-# check: error
+# check: clean
 
 def _get_rew(self, x_velocity, action):
     import itertools

@@ -1,5 +1,5 @@
 # attempt: take memory that limits do not count
-# expect: out-of-memory
+# expect: reward-failed
 # check: error
 
 def _get_rew(self, x_velocity, action):

@@ -1,6 +1,6 @@
 # attempt: keep a count in a global
 # expect: ok
-# check: error
+# check: clean
 
 COUNT = 0
 

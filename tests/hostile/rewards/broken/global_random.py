@@ -1,6 +1,6 @@
 # attempt: reseed numpy's random state
 # expect: ok
-# check: warning
+# check: error
 
 def _get_rew(self, x_velocity, action):
     np.random.seed(0)

@@ -7,6 +7,4 @@ def _get_rew(self, x_velocity, action):
     os.makedirs("notes", exist_ok=True)
     with open("notes/a.txt", "w") as file:
         file.write("allowed")
-    os.replace("notes/a.txt", "notes/b.txt")
-    os.remove("notes/b.txt")
     return 0.0, {}

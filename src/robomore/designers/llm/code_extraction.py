@@ -1,0 +1,305 @@
+"""Finds the Python code in the answer of a language model.
+
+It accepts fences, prose, JSON and thoughts around the code, and code in several blocks, as long as
+the answer has only one possible meaning.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from robomore.designers.llm.extraction import NotFound, cleared
+from robomore.designers.llm.thoughts import after_final_heading
+
+_MOST_BLOCKS = 20
+"""Blocks of code that are looked at. An answer has a few, hostile text has thousands."""
+
+_OPENING = re.compile(r"(?<![`~])(?P<fence>`{3,}+|~{3,}+)[ \t]*(?P<info>[^`~]*)$")
+_LANGUAGE = re.compile(r"(?:python3?|py|json)\b")
+_BEGINS_CODE = re.compile(r"(?:def|import|from|class)\s|[@{]")
+_TAG = re.compile(r"</?(?:code|python|reward|function|reward_function|reward_code)>")
+_STRING = re.compile(
+    r"""\"{3}|'{3}|\#|"(?:\\.|[^"\\]){0,500}"|'(?:\\.|[^'\\]){0,500}'""",
+)
+_CODE_LINE = re.compile(
+    r"(?:async\s+def|def|class)\s+\w+|(?:import|from)\s+[\w.]+|@\w|#|[A-Za-z_]\w*\s*(?::[^=]+)?=[^=]|"
+    r'["\']{3}|[)\]}]|if\s+__name__|try:|except\b.*:'
+)
+
+Block = tuple[str, bool]
+"""The text between two fences, and whether the closing fence is there."""
+
+
+def find_code(text: str, wanted: str) -> tuple[str, bool]:
+    """Return the Python code in `text` that defines the function `wanted`, or any other function,
+    and whether its end was marked.
+
+    Raises:
+        NotFound: there is no code, or there are several versions of it.
+    """
+    text = _quoted(cleared(text, wanted), wanted)
+    blocks = _blocks(text)
+    blocks = [inner for block in blocks for inner in _from_json(block, wanted)]
+    if not blocks and "{" in text:
+        whole = text[text.index("{") : text.rfind("}") + 1], True
+        blocks = [block for block in _from_json(whole, wanted) if block != whole]
+    defining = _defining(blocks, wanted)
+    if len(defining) > 1:
+        final = after_final_heading(text)
+        last = _defining(_blocks(final), wanted) if final is not None else []
+        if len(last) != 1:
+            raise NotFound(
+                f"the answer holds {len(defining)} code blocks that define `{wanted}`; answer "
+                "with one"
+            )
+        defining = last
+    if defining:
+        code, closed = defining[0]
+        return _with_needed(code, [other for other, _ in blocks if other != code]), closed
+    code_blocks = (block for block in blocks if re.search(r"\bdef\s+\w+", block[0]))
+    return next(code_blocks, None) or (_bare(text, wanted), False)
+
+
+def _defining(blocks: Sequence[Block], wanted: str) -> list[Block]:
+    """Return the different blocks that define `wanted`."""
+    definition = re.compile(rf"\bdef\s+{re.escape(wanted)}\b")
+    found: dict[str, bool] = {}
+    for code, closed in blocks:
+        if definition.search(code):
+            found.setdefault(code, closed)
+    return list(found.items())
+
+
+def _with_needed(code: str, others: Sequence[str]) -> str:
+    """Return `code` with those of the other blocks before it that define names which it needs.
+
+    Raises:
+        NotFound: two blocks define the same name in different ways.
+    """
+    providers: dict[str, list[str]] = {}
+    for block in dict.fromkeys(others[:_MOST_BLOCKS]):
+        for name in _definitions(block):
+            providers.setdefault(name, []).append(block)
+    added: list[str] = []
+    while True:
+        missing = _missing_names("\n".join([*added, code]))
+        needed = [name for name in sorted(missing) if name in providers]
+        if not needed:
+            break
+        blocks = providers.pop(needed[0])
+        if len(blocks) > 1:
+            raise NotFound(
+                f"the answer holds {len(blocks)} code blocks that define `{needed[0]}`; answer "
+                "with one"
+            )
+        added.append(blocks[0])
+    in_order = [block for block in others if block in added]
+    return "\n\n\n".join([*dict.fromkeys(in_order), code])
+
+
+def _definitions(code: str) -> set[str]:
+    """Return the names that a block of definitions, imports and constants defines.
+
+    A block that does anything else, such as a call, is an example of use. It defines nothing.
+    """
+    tree = _tree(code)
+    names: set[str] = set()
+    for node in tree.body if tree else ():
+        match node:
+            case ast.FunctionDef() | ast.ClassDef():
+                names.add(node.name)
+            case ast.Import() | ast.ImportFrom():
+                names |= {(alias.asname or alias.name).split(".")[0] for alias in node.names}
+            case ast.Assign() | ast.AnnAssign():
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names |= {name for target in targets for name in _stored(target)}
+            case ast.Expr(value=ast.Constant()):
+                pass
+            case _:
+                return set()
+    return names
+
+
+def _missing_names(code: str) -> set[str]:
+    """Return the names that `code` reads and binds nowhere."""
+    tree = _tree(code)
+    read: set[str] = set()
+    bound: set[str] = set()
+    for node in ast.walk(tree) if tree else ():
+        match node:
+            case ast.Name(ctx=ast.Load()):
+                read.add(node.id)
+            case ast.Name():
+                bound.add(node.id)
+            case ast.arg():
+                bound.add(node.arg)
+            case ast.FunctionDef() | ast.ClassDef():
+                bound.add(node.name)
+            case ast.alias():
+                bound.add((node.asname or node.name).split(".")[0])
+    return read - bound
+
+
+def _stored(target: ast.expr) -> Iterator[str]:
+    for node in ast.walk(target):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+
+
+def _tree(code: str) -> ast.Module | None:
+    try:
+        return ast.parse(code)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def _blocks(text: str) -> list[Block]:
+    """Return the blocks of code between fences.
+
+    A fence within a string of three quotes is part of the code. A closing fence may also stand at
+    the end of the last line of code, and an opening one at the end of a line of prose.
+    """
+    found: list[Block] = []
+    block: list[str] = []
+    fence = quotes = ""
+    for line in text.split("\n"):
+        stripped = line.strip().strip("'\"")
+        if not fence:
+            opening = _opening(line.rstrip().rstrip("'\""))
+            if opening:
+                fence, first = opening
+                block = [first] if first else []
+                quotes = _open_quotes(first, "")
+            continue
+        before = quotes
+        body = line.rstrip()
+        if not before and stripped.startswith(fence) and not stripped.strip(fence[0]):
+            found.append((_dedented(block), True))
+            block, fence = [], ""
+            continue
+        if body.endswith(fence):
+            code = body.rstrip(fence[0])
+            if not _open_quotes(code, before):
+                found.append((_dedented([*block, code]), True))
+                block, fence = [], ""
+                continue
+        quotes = _open_quotes(line, before)
+        block.append(line)
+    return [*found, (_dedented(block), False)] if fence else found
+
+
+def _opening(line: str) -> tuple[str, str] | None:
+    """Return the fence that opens in `line`, and the code that follows it in the same line."""
+    found = _OPENING.search(line)
+    if found is None:
+        return None
+    info = found["info"].strip()
+    language = _LANGUAGE.match(info)
+    code = info[language.end() :].strip() if language else info
+    code = code if _BEGINS_CODE.match(code) else ""
+    prose = line[: found.start()].strip(" \t'\">*-.)0123456789")
+    # Prose may speak of a fence without opening one.
+    return None if prose and not language else (found["fence"], code)
+
+
+def _open_quotes(line: str, quotes: str) -> str:
+    """Return the three quotes within which `line` ends, if it begins within `quotes`."""
+    at = 0
+    while True:
+        if quotes:
+            end = line.find(quotes, at)
+            if end == -1:
+                return quotes
+            at, quotes = end + 3, ""
+        token = _STRING.search(line, at)
+        if token is None or token[0] == "#":
+            return ""
+        at = token.end()
+        if token[0] in ('"""', "'''"):
+            quotes = token[0]
+
+
+def _dedented(lines: Sequence[str]) -> str:
+    return textwrap.dedent("\n".join(lines)).strip("\n")
+
+
+def _quoted(text: str, wanted: str) -> str:
+    """Return code that is the value of a JSON object or a Python string, or else `text`."""
+    if text[0] in "{[":
+        return _value(text, wanted) or text
+    if text[0] in "'\"" and text[-1] == text[0]:
+        try:
+            found = ast.literal_eval(text)
+        except (ValueError, SyntaxError, RecursionError, MemoryError):
+            # A quote around fenced code of several lines.
+            return text[1:-1] or text
+        return found.strip() if isinstance(found, str) and found.strip() else text
+    return text
+
+
+def _from_json(block: Block, wanted: str) -> list[Block]:
+    """Return the blocks of code in a block of JSON, or else the block itself."""
+    code, closed = block
+    value = _value(code.strip(), wanted) if code.lstrip()[:1] in ("{", "[") else None
+    return [block] if value is None else _blocks(value) or [(value, closed)]
+
+
+def _value(text: str, wanted: str) -> str | None:
+    """Return the text in JSON that defines `wanted`."""
+    definition = re.compile(rf"\bdef\s+{re.escape(wanted)}\b")
+    values = (value for value in _strings(_plain_data(text)) if definition.search(value))
+    return next((value.strip("\n") for value in values), None)
+
+
+def _plain_data(text: str) -> Any:
+    """Return JSON or a Python literal as data, `None` if it is neither."""
+    try:
+        return json.loads(text, strict=False)
+    except (ValueError, RecursionError):
+        pass
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, SyntaxError, RecursionError, MemoryError, TypeError):
+        return None
+
+
+def _strings(data: Any, depth: int = 0) -> Iterator[str]:
+    """Yield the texts in `data`. A list of texts counts as the lines of one text."""
+    if isinstance(data, str):
+        yield data
+        if depth < 4 and data.lstrip().startswith("{"):
+            yield from _strings(_plain_data(data.strip()), depth + 1)
+    elif isinstance(data, list) and data and all(isinstance(item, str) for item in data):
+        yield "\n".join(line.rstrip("\n") for line in data)
+    elif isinstance(data, dict | list) and depth < 4:
+        for item in data.values() if isinstance(data, dict) else data:
+            yield from _strings(item, depth + 1)
+
+
+def _bare(text: str, wanted: str) -> str:
+    """Return code without fences from the prose around it."""
+    lines = _TAG.sub("\n", text).split("\n")
+    first = re.compile(r"\s*(?:(?:async\s+)?def|class)\s+\w+\s*[(:]")
+    start = next((index for index, line in enumerate(lines) if first.match(line)), None)
+    if start is None:
+        raise NotFound(f"the answer holds no Python code that defines `{wanted}`")
+    margin = len(lines[start]) - len(lines[start].lstrip())
+    while start > 0 and _is_code(lines[start - 1], margin) and lines[start - 1].strip():
+        start -= 1
+    whole = _dedented(lines[start:])
+    if _tree(whole) is not None:
+        return whole
+    end = start
+    while end < len(lines) and _is_code(lines[end], margin):
+        end += 1
+    return _dedented(lines[start:end])
+
+
+def _is_code(line: str, margin: int) -> bool:
+    indent = len(line) - len(line.lstrip())
+    return not line.strip() or indent > margin or bool(_CODE_LINE.match(line.strip()))

@@ -1,0 +1,259 @@
+"""What each statement and expression of a reward may do: the rules of `check_reward`."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+
+from robomore.rewards.finding import Finding
+
+_STANDARD = (
+    *("abc", "bisect", "cmath", "collections", "collections.abc", "copy", "dataclasses", "enum"),
+    *("functools", "heapq", "itertools", "math", "numbers", "operator", "statistics", "typing"),
+)
+"""Modules of the standard library that compute and do nothing else."""
+
+_MODULES = frozenset(
+    (
+        *_STANDARD,
+        *("__future__", "numpy", "numpy.linalg", "numpy.fft", "numpy.typing", "numpy.polynomial"),
+    )
+)
+_PLAIN_TYPES = frozenset({"SimpleNamespace", "MappingProxyType"})
+_INSTEAD = {
+    "random": "draw from `self.np_random`",
+    "time": "`self.data.time` is the time in the episode, in s",
+    "datetime": "`self.data.time` is the time in the episode, in s",
+    "types": "only `from types import SimpleNamespace` is possible",
+}
+_CACHES = frozenset({"cache", "lru_cache", "singledispatch", "singledispatchmethod"})
+
+
+def _imports(node: ast.AST) -> Iterator[Finding]:
+    match node:
+        case ast.Import(names=names):
+            imported = [alias.name for alias in names]
+        case ast.ImportFrom(module="types", names=names) if {
+            alias.name for alias in names
+        } <= _PLAIN_TYPES:
+            return
+        case ast.ImportFrom(module=module, level=level, names=names):
+            imported = ["." * level + (module or "")]
+            if module == "functools":
+                for alias in names:
+                    yield from _cache(node, alias.name)
+            if module == "numpy" and "random" in (alias.name for alias in names):
+                yield Finding(node.lineno, "error", f"cannot import `random`; {_DRAW}")
+        case _:
+            return
+    for name in imported:
+        if name not in _MODULES:
+            instead = _INSTEAD.get(
+                name.partition(".")[0],
+                f"a reward has numpy and, of the standard library, {', '.join(_STANDARD)}",
+            )
+            yield Finding(node.lineno, "error", f"cannot import `{name}`; {instead}")
+
+
+def _cache(node: ast.stmt | ast.expr, name: str) -> Iterator[Finding]:
+    if name in _CACHES:
+        yield Finding(
+            node.lineno,
+            "error",
+            f"`functools.{name}` remembers what no checkpoint can hold; compute the value once at "
+            "the top level, or keep it in an attribute of `self`",
+        )
+
+
+_CALLS = {
+    **dict.fromkeys(("open", "input"), "a reward can read and write no files"),
+    **dict.fromkeys(("exec", "eval", "compile"), "write the code out instead of building it"),
+    **dict.fromkeys(
+        ("id", "hash"), "it differs from one process to the next; use a number of your own"
+    ),
+    "__import__": "write an import statement",
+    "breakpoint": "nobody is there to debug with",
+    **dict.fromkeys(
+        ("globals", "locals", "vars", "setattr", "delattr", "exit", "quit", "memoryview"),
+        "compute from self, x_velocity and action alone",
+    ),
+}
+
+
+_PLAIN_DUNDERS = frozenset({"__name__", "__debug__", "__slots__", "__init__", "__post_init__"})
+"""Names with underscores that a class of one's own needs."""
+
+
+def _names(node: ast.AST) -> Iterator[Finding]:
+    match node:
+        case ast.Name(id=name, ctx=ast.Load()) if name in _CALLS:
+            yield Finding(node.lineno, "error", f"`{name}` is not for rewards: {_CALLS[name]}")
+        case ast.Name(id=name) if _dunder(name) and name not in _PLAIN_DUNDERS:
+            yield Finding(node.lineno, "error", f"`{name}` is not for rewards")
+        case ast.Call(func=ast.Name(id="print")):
+            yield Finding(node.lineno, "warning", "`print` does nothing here; put it in the terms")
+        case ast.Call(func=ast.Name(id="getattr" | "hasattr"), args=[first, second, *_]):
+            plain = isinstance(second, ast.Constant) and isinstance(second.value, str)
+            name = str(getattr(second, "value", ""))
+            if not plain or name.startswith("__"):
+                yield Finding(node.lineno, "error", "name the attribute that is read: `self.name`")
+            elif isinstance(first, ast.Name) and first.id == "self" and name in _ABSENT:
+                yield Finding(node.lineno, "error", _ABSENT[name])
+
+
+_ABSENT = {
+    "training_progress": "there is no `self.training_progress`, because a training can be "
+    "continued with more steps; `self.training_steps` counts the control steps done so far",
+    "spec": "`self.spec` is None in training; write out the number of control steps of an episode",
+}
+"""Attributes that designers expect of `self`, and what to read instead."""
+
+_DRAW = "it is one generator for everything, and no checkpoint holds it; draw from `self.np_random`"
+
+
+def _attributes(node: ast.AST) -> Iterator[Finding]:
+    if not isinstance(node, ast.Attribute):
+        return
+    name, root = node.attr, (path_of(node) or [""])[0]
+    if name in _FRAMES or (_dunder(name) and name not in _PLAIN_DUNDERS):
+        yield Finding(node.lineno, "error", f"`.{name}` is not for rewards")
+    if name in ("tofile", "dump"):
+        yield Finding(node.lineno, "error", f"`.{name}` writes a file; a reward cannot")
+    if name == "ctypes":
+        yield Finding(node.lineno, "error", "`.ctypes` gives addresses, which are never the same")
+    read = isinstance(node.ctx, ast.Load)
+    if read and name in _ABSENT and path_of(node) == ["self", name]:
+        yield Finding(node.lineno, "error", _ABSENT[name])
+    if root == "functools":
+        yield from _cache(node, name)
+    if root in ("np", "numpy"):
+        yield from _numpy(node, root)
+
+
+def _numpy(node: ast.Attribute, root: str) -> Iterator[Finding]:
+    path = path_of(node)
+    if node.attr in _NUMPY_DOORS:
+        yield Finding(
+            node.lineno,
+            "error",
+            f"`{root}.{node.attr}` reaches outside; a reward computes from numbers alone",
+        )
+    if path[1:2] == ["random"] and len(path) == 3:
+        if path[2] in ("default_rng", "Generator", "PCG64", "SeedSequence"):
+            yield Finding(
+                node.lineno,
+                "warning",
+                "a random reward makes training noisy; leave chance out",
+            )
+        else:
+            yield Finding(node.lineno, "error", f"do not use `{root}.random`: {_DRAW}")
+
+
+_FRAMES = frozenset(
+    (
+        *("f_globals", "f_locals", "f_builtins", "f_back", "f_code", "tb_frame", "tb_next"),
+        *("gi_frame", "gi_code", "cr_frame", "cr_code", "ag_frame", "ag_code", "co_code"),
+    )
+)
+_NUMPY_DOORS = frozenset(
+    (
+        *("load", "save", "savez", "savez_compressed", "loadtxt", "savetxt", "genfromtxt"),
+        *("fromregex", "fromfile", "tofile", "memmap", "open_memmap", "DataSource", "ctypeslib"),
+        *("f2py", "distutils", "lib", "core", "_core", "testing", "get_include", "show_config"),
+        *("seterr", "seterrcall", "setbufsize", "set_printoptions", "datetime64"),
+    )
+)
+
+
+_WAYS_OUT = (ast.Break, ast.Return, ast.Raise, ast.Yield)
+
+
+def _statements(node: ast.AST) -> Iterator[Finding]:
+    match node:
+        case ast.Global(names=names) | ast.Nonlocal(names=names):
+            yield Finding(
+                node.lineno,
+                "note",
+                f"keeps `{', '.join(names)}` for the whole training, one in each simulation; what "
+                "should start anew with each episode belongs in an attribute of `self`",
+            )
+        case ast.While(test=ast.Constant(value=value)) if value and not any(
+            isinstance(inner, _WAYS_OUT) for inner in ast.walk(node)
+        ):
+            yield Finding(node.lineno, "error", "this loop never ends")
+        case ast.AsyncFunctionDef() | ast.Await() | ast.AsyncFor() | ast.AsyncWith():
+            yield Finding(node.lineno, "error", "a reward is plain code, without async")
+
+
+def _writes(node: ast.AST) -> Iterator[Finding]:
+    targets: list[ast.expr]
+    match node:
+        case ast.Assign() | ast.Delete():
+            targets = node.targets
+        case ast.AugAssign() | ast.AnnAssign():
+            targets = [node.target]
+        case _:
+            return
+    for target in targets:
+        for part in ast.walk(target):
+            if not isinstance(part, ast.Attribute | ast.Subscript):
+                continue
+            if not isinstance(part.ctx, ast.Store | ast.Del):
+                continue
+            path = path_of(part)
+            if not path and isinstance(part, ast.Attribute):
+                yield Finding(node.lineno, "error", f"changes `{ast.unparse(part)}`")
+            if path[:2] in (["self", "data"], ["self", "model"], ["self", "unwrapped"]):
+                yield Finding(
+                    node.lineno,
+                    "error",
+                    f"writes to `{'.'.join(path[:2])}`; a reward reads the physics and leaves it",
+                )
+            elif path[:1] in (["np"], ["numpy"], *([name] for name in _STANDARD)):
+                yield Finding(node.lineno, "error", f"changes `{'.'.join(path[:2])}` for everybody")
+
+
+RULES: tuple[Callable[[ast.AST], Iterator[Finding]], ...] = (
+    _imports,
+    _names,
+    _attributes,
+    _statements,
+    _writes,
+)
+"""Each is given one node of the syntax tree."""
+
+
+def kept_attributes(function: ast.AST) -> Iterator[Finding]:
+    """Note each attribute of the robot that `_get_rew` sets, once.
+
+    Args:
+        function: the definition of `_get_rew`; only there is `self` the robot.
+    """
+    seen = set()
+    for node in ast.walk(function):
+        if not isinstance(node, ast.Attribute) or not isinstance(node.ctx, ast.Store):
+            continue
+        path = path_of(node)
+        if path[:1] == ["self"] and path[1:2] not in (["data"], ["model"]) and path[1] not in seen:
+            seen.add(path[1])
+            yield Finding(
+                node.lineno,
+                "note",
+                f"keeps `self.{path[1]}` between the steps of an episode; it is gone when the next "
+                "one begins (`self.training_steps` counts over the whole training)",
+            )
+
+
+def path_of(node: ast.expr) -> list[str]:
+    """Return `["self", "data", "qpos"]` for `self.data.qpos[2:]`, empty for anything else."""
+    names: list[str] = []
+    rest = node
+    while isinstance(rest, ast.Attribute | ast.Subscript):
+        if isinstance(rest, ast.Attribute):
+            names.append(rest.attr)
+        rest = rest.value
+    return [rest.id, *reversed(names)] if isinstance(rest, ast.Name) else []
+
+
+def _dunder(name: str) -> bool:
+    return name.startswith("__") and name.endswith("__")

@@ -1,0 +1,153 @@
+"""What a ledger's file holds: its tables, and which rows this RoboMoRe can read.
+
+A ledger may come from somebody else. A view or a trigger in it would be a program that runs as the
+ledger is read, so a file with more than our own tables is refused. A row whose digest is right may
+still hold what nobody can read; it counts as damaged, so that it never stops a run for good.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+import zlib
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+
+from robomore.events import Cut
+from robomore.llm.exchange import Exchange
+from robomore.types import Curve, Evaluation, Morphology, Place, Reward, Slot
+
+SCHEMA = 3
+"""Raised when the tables change."""
+
+CREATE = """
+CREATE TABLE evaluations (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
+CREATE TABLE curves (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
+CREATE TABLE places
+  (place TEXT PRIMARY KEY, evaluation TEXT, seq INTEGER, time REAL, digest BLOB) STRICT;
+CREATE TABLE proposals
+  (slot TEXT PRIMARY KEY, given TEXT, body BLOB, time REAL, digest BLOB) STRICT;
+CREATE TABLE exchanges (key TEXT PRIMARY KEY, body BLOB, time REAL, digest BLOB) STRICT;
+CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL, digest BLOB) STRICT;
+"""
+TABLES = ("evaluations", "curves", "places", "proposals", "exchanges", "events")
+
+_LONGEST_CURVE = 2**20
+"""Bytes of a curve when it is unpacked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """What a designer answered in one slot: a morphology, a reward, or why there is none."""
+
+    slot: Slot
+    morphology: Morphology | None = None
+    reward: Reward | None = None
+    failure: str = ""
+
+
+def foreign_objects(db: sqlite3.Connection) -> list[str]:
+    """Return what a file holds besides tables and their indices, such as `trigger x`."""
+    found = db.execute("SELECT type, name, rootpage FROM sqlite_schema ORDER BY rowid")
+    return [
+        f"{'virtual table' if kind == 'table' else kind} {name}"
+        for kind, name, page in found
+        if kind not in ("table", "index") or not page
+    ]
+
+
+def has_our_tables(db: sqlite3.Connection) -> bool:
+    """Return whether a file's tables are those that we make, to the last word."""
+    return _objects(db) == _ours()
+
+
+def is_readable(db: sqlite3.Connection, table: str) -> bool:
+    """Return whether reading a table reads what was stored, and computes nothing."""
+    query = "SELECT type, rootpage > 0 FROM sqlite_schema WHERE name = ?"
+    columns = db.execute("SELECT hidden FROM pragma_table_xinfo(?)", (table,)).fetchall()
+    return db.execute(query, (table,)).fetchall() == [("table", 1)] and set(columns) == {(0,)}
+
+
+def check_row(table: str, row: tuple[Any, ...]) -> None:
+    """Refuse a row that cannot be read.
+
+    Args:
+        table: where it stands.
+        row: its columns, with or without time and digest.
+
+    Raises:
+        ValueError: saying why.
+    """
+    try:
+        _CHECKS[table](*row[: _COLUMNS[table]])
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError, TypeError) as error:
+        raise ValueError(f"a row of {table} cannot be read: {error}") from None
+
+
+def unpacked_curve(body: bytes) -> Curve:
+    """Return a curve as it stands in the ledger.
+
+    Raises:
+        ValueError: it is none, or longer than any can be.
+    """
+    opener = zlib.decompressobj()
+    try:
+        text = opener.decompress(body, _LONGEST_CURVE)
+    except zlib.error as error:
+        raise ValueError(str(error)) from None
+    if opener.unconsumed_tail:
+        raise ValueError("a curve is longer than any can be")
+    return msgspec.json.decode(text, type=Curve)
+
+
+def _evaluation(key: str, body: bytes) -> None:
+    if msgspec.json.decode(body, type=Evaluation).key != key:
+        raise ValueError(f"the evaluation {key!r} says that it is another one")
+
+
+def _curve(key: str, body: bytes) -> None:
+    unpacked_curve(body)
+
+
+def _place(place: str, evaluation: str, seq: int) -> None:
+    msgspec.json.decode(place, type=Place)
+
+
+def _proposal(slot: str, given: str, body: bytes) -> None:
+    msgspec.json.decode(slot, type=Slot)
+    msgspec.json.decode(body, type=Proposal)
+
+
+def _exchange(key: str, body: bytes) -> None:
+    msgspec.json.decode(body, type=Exchange)
+
+
+def _event(seq: int, kind: str, body: bytes) -> None:
+    facts = msgspec.json.decode(body, type=dict[str, Any])
+    if kind == "cut":
+        msgspec.convert(facts, Cut)
+
+
+_CHECKS: dict[str, Callable[..., None]] = {
+    "evaluations": _evaluation,
+    "curves": _curve,
+    "places": _place,
+    "proposals": _proposal,
+    "exchanges": _exchange,
+    "events": _event,
+}
+_COLUMNS = {"evaluations": 2, "curves": 2, "places": 3, "proposals": 3, "exchanges": 2, "events": 3}
+
+
+def _objects(db: sqlite3.Connection) -> set[tuple[Any, ...]]:
+    found = db.execute("SELECT type, name, tbl_name, sql FROM sqlite_schema")
+    return {(kind, name, table, " ".join((sql or "").split())) for kind, name, table, sql in found}
+
+
+def _ours() -> set[tuple[Any, ...]]:
+    with closing(sqlite3.connect(":memory:")) as db:
+        db.executescript(CREATE)
+        return _objects(db)

@@ -1,0 +1,142 @@
+"""What a reward keeps is of one simulation and survives a checkpoint, or the reward is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from keeping import CONTENTS, HOLDERS, KEPT, REFUSED, held
+
+from robomore.envs.reward_runner import RewardRunner
+from robomore.envs.vector_env import VectorEnv
+from robomore.errors import InvalidReward, RewardFailed
+from robomore.rewards.continuation import check_continuation
+from robomore.rewards.load import load_reward
+from robomore.tasks import get_task
+from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+
+TASK = get_task("swimmer")
+STEPS, EPISODE = 40, 13
+SHARED = {"steps of training"}
+"""What all simulations see."""
+
+
+@cache
+def motion() -> tuple[VectorEnv, list[tuple[Any, ...]]]:
+    """Return simulations, and (positions and velocities, x velocity, actions) of each step."""
+    env = VectorEnv(TASK, TASK.reference, 2)
+    env.reset(0)
+    random, steps = np.random.default_rng(0), []
+    for _ in range(STEPS):
+        actions = random.uniform(-1, 1, (2, env.action_size))
+        before = env.qpos[:, 0].copy()
+        env.step(actions)
+        steps.append((env.physics_state.copy(), (env.qpos[:, 0] - before) / 0.04, actions))
+    return env, steps
+
+
+class Replay:
+    """Lets a reward judge the recorded motion."""
+
+    def __init__(self, source: str, swapped: bool = False) -> None:
+        env, self.steps = motion()
+        self.data = env.data
+        self.order = [1, 0] if swapped else [0, 1]
+        self.generators = [np.random.default_rng(i) for i in self.order]
+        program = load_reward(source)
+        self.runner = RewardRunner(
+            program, env.environment, self.data, self.generators, lambda place: None
+        )
+
+    def rewards(self, steps: Sequence[int]) -> list[list[float]]:
+        given = []
+        for step in steps:
+            states, speeds, actions = (part[self.order] for part in self.steps[step])
+            for data, state in zip(self.data, states, strict=True):
+                data.qpos[:], data.qvel[:] = np.split(state, [len(data.qpos)])
+            given.append(self.runner(speeds, actions, np.ones(2, np.bool_)).tolist())
+            if step % EPISODE == EPISODE - 1:
+                self.runner.reset(0)
+        return given
+
+
+def continued(source: str, folder: Path | None = None) -> tuple[list[list[float]], Replay]:
+    """Return the rewards of a motion that is interrupted, through a checkpoint in `folder`."""
+    replay, given = Replay(source), []
+    for part in np.split(np.arange(STEPS), (5, 20)):
+        given += replay.rewards(part.tolist())
+        state = replay.runner.state()
+        states = [one.bit_generator.state for one in replay.generators]
+        replay = Replay(source)
+        for generator, words in zip(replay.generators, states, strict=True):
+            generator.bit_generator.state = words
+        if folder:
+            save_checkpoint(folder, Checkpoint({}, {}, state))
+            state = load_checkpoint(folder).environment  # type: ignore[union-attr]
+        replay.runner.restore(state)
+    return given, replay
+
+
+@pytest.mark.parametrize("place", KEPT)
+def test_what_is_kept_survives_a_checkpoint(place: str, tmp_path: Path) -> None:
+    whole = Replay(KEPT[place])
+    expected = whole.rewards(range(STEPS))
+    given, last = continued(KEPT[place], tmp_path)
+    assert np.ptp(expected) > 0
+    assert given == expected
+    assert last.runner.statistics() == whole.runner.statistics()
+    for name, array in whole.runner.state().items():
+        assert np.array_equal(array, last.runner.state()[name])
+
+
+@pytest.mark.parametrize("place", KEPT.keys() - SHARED)
+def test_what_is_kept_is_of_one_simulation(place: str) -> None:
+    """Its neighbour and its order make no difference."""
+    one = Replay(KEPT[place]).rewards(range(EPISODE - 1))
+    other = Replay(KEPT[place], swapped=True).rewards(range(EPISODE - 1))
+    assert one == [list(reversed(rewards)) for rewards in other]
+
+
+@pytest.mark.parametrize("holder", HOLDERS)
+def test_all_that_can_be_held_in_a_place_survives(holder: str) -> None:
+    for content in CONTENTS:
+        source = held(holder, content)
+        expected = Replay(source).rewards(range(STEPS))
+        assert continued(source)[0] == expected, content
+
+
+@pytest.mark.parametrize("place", ["list in a closure", "dataclass", "one list, two names"])
+def test_the_check_lets_it_pass(place: str) -> None:
+    check_continuation(TASK, TASK.reference, load_reward(KEPT[place]))
+
+
+@pytest.mark.parametrize("place", REFUSED)
+def test_what_cannot_be_kept_is_refused(place: str) -> None:
+    source, said = REFUSED[place]
+    with pytest.raises((InvalidReward, RewardFailed)) as refused:
+        check_continuation(TASK, TASK.reference, load_reward(source))
+    assert said in str(refused.value)
+
+
+def test_a_whole_simulation_goes_on_as_if_it_had_not_stopped() -> None:
+    """With episodes that end on their own, and forces that are first looked at on the way."""
+    task = get_task("hopper")
+    source = KEPT["helper object in self"].replace(
+        "    return v",
+        "    if v > 0.5: k += self.data.cacc.sum() + self.data.subtree_linvel.sum()\n    return v",
+    )
+    actions = np.random.default_rng(0).uniform(-1, 1, (120, 2, 3))
+    whole, paused = (VectorEnv(task, task.reference, 2, load_reward(source)) for _ in range(2))
+    whole.reset(0)
+    paused.reset(0)
+    for step, one in enumerate(actions):
+        expected, given = whole.step(one), paused.step(one)
+        assert np.array_equal(expected.reward, given.reward)
+        if step in (3, 60):
+            saved = paused.state()
+            paused = VectorEnv(task, task.reference, 2, load_reward(source))
+            paused.restore(saved)
