@@ -61,6 +61,7 @@ class Observed:
         seconds: processor time of a usual call (the median).
         terms: by name.
         mean: of the reward.
+        spread: its standard deviation.
     """
 
     calls: int
@@ -69,6 +70,7 @@ class Observed:
     seconds: float
     terms: dict[str, Term] = field(default_factory=dict)
     mean: float = 0.0
+    spread: float = 0.0
 
 
 def findings(observed: Observed, line: int) -> list[Finding]:

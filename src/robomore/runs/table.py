@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from robomore.errors import InputError
+from robomore.plain_files import cannot_write
 from robomore.plan import Plan
 from robomore.runs.lineage import Record
 from robomore.tasks import Task
@@ -21,7 +22,8 @@ Row = dict[str, Any]
 def rows(records: Sequence[Record], task: Task, plan: Plan) -> list[Row]:
     """Return one row an evaluation, in the order of the search.
 
-    Units: fitness m, volume m^3, efficiency m/m^3, lengths as the task says, times core-seconds.
+    Units: fitness m, volume m^3, efficiency m/m^3, energy J, lengths as the task says, times
+    core-seconds.
     """
     return [_row(record, task, plan) for record in records]
 
@@ -39,6 +41,8 @@ def _row(record: Record, task: Task, plan: Plan) -> Row:
         "fitness": evaluation.fitness,
         "volume": evaluation.volume,
         "efficiency": evaluation.efficiency,
+        "energy": evaluation.energy,
+        "cost_of_transport": evaluation.cost_of_transport,
         "steps": evaluation.job.steps,
         "core_seconds": evaluation.seconds,
         "seed": evaluation.job.seed,
@@ -79,7 +83,7 @@ def write_csv(found: Sequence[Row], path: Path) -> None:
     try:
         path.write_text(csv_text(found), encoding="utf-8", newline="")
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise cannot_write(path, error, "name another file") from None
 
 
 def write_parquet(found: Sequence[Row], path: Path) -> None:
@@ -99,7 +103,7 @@ def write_parquet(found: Sequence[Row], path: Path) -> None:
     try:
         frame.to_parquet(path)
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise cannot_write(path, error, "name another file") from None
 
 
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -108,7 +112,3 @@ def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
         name: f"'{value}" if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") else value
         for name, value in row.items()
     }
-
-
-def _unwritable(path: Path, error: OSError) -> InputError:
-    return InputError(f"cannot write {path} ({error.strerror}); name another file")

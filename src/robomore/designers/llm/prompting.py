@@ -49,6 +49,8 @@ _FITNESS = {
 _OBJECTIVES = {
     "efficiency": "The score is the efficiency. Make it as high as you can.",
     "fitness": "The score is the fitness. Make it as high as you can.",
+    "transport-economy": "The score is the transport economy: mass * 9.81 m/s² * distance / energy "
+    "of the motors (1 / cost of transport), and 0 for less than 1 m. Make it as high as you can.",
 }
 
 
