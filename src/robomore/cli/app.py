@@ -25,6 +25,7 @@ COMMANDS = {
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
     "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
     "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),
+    "study": ("robomore.cli.study:study", "Run several methods on several tasks, with tables."),
     "compare": ("robomore.cli.tables:compare", "Put runs side by side."),
     "export": ("robomore.cli.tables:export", "Write every evaluation of a run as one table."),
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),

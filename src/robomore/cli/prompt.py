@@ -26,7 +26,7 @@ def prompt(
     /,
     *,
     source: Annotated[Path | None, Parameter("--from")] = None,
-    objective: Literal["efficiency", "fitness"] | None = None,
+    objective: Literal["efficiency", "fitness", "transport-economy"] | None = None,
     history_tokens: int | None = None,
     history_rule: str | None = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
@@ -97,7 +97,7 @@ def prompt(
 class _Seen:
     """What the prompts need of a run."""
 
-    objective: Literal["efficiency", "fitness"] = "efficiency"
+    objective: Literal["efficiency", "fitness", "transport-economy"] = "efficiency"
     morphologies: list[Morphology] = field(default_factory=list)
     rewards: list[Reward] = field(default_factory=list)
     best: Evaluation | None = None

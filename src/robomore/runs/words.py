@@ -28,8 +28,8 @@ def short(value: float) -> str:
 
 
 def unit_of(objective: str) -> str:
-    """Return the unit of what is compared: m/m³ for efficiency, m for fitness."""
-    return EFFICIENCY_UNIT if objective == "efficiency" else "m"
+    """Return the unit of what is compared: m/m³ for efficiency, m for fitness, else none."""
+    return {"efficiency": EFFICIENCY_UNIT, "fitness": "m"}.get(objective, "")
 
 
 def with_interval(measured: Spread, unit: str = "", digits: int = 4) -> str:
@@ -61,6 +61,7 @@ def duration(seconds: float) -> str:
 LABELS = {
     "efficiency": "efficiency (m/m³)",
     "fitness": "fitness (m)",
+    "transport-economy": "transport economy (1 / cost of transport)",
     "volume": "volume (m³)",
     "mass": "mass (kg)",
     "density": "mass divided by volume (kg/m³)",

@@ -49,6 +49,8 @@ _FITNESS = {
 _OBJECTIVES = {
     "efficiency": "The score is the efficiency. Make it as high as you can.",
     "fitness": "The score is the fitness. Make it as high as you can.",
+    "transport-economy": "The score is the transport economy: mass * 9.81 m/s² * distance / energy "
+    "of the motors (1 / cost of transport), and 0 for less than 1 m. Make it as high as you can.",
 }
 
 
@@ -234,7 +236,10 @@ def _improve(
     # What was stopped early stands in the table, which says enough about it.
     detailed = [entry for entry in entries if entry.score is None or entry.steps == full]
     left = HistorySettings(max(0, settings.tokens - estimate_tokens(table)), settings.rule)
-    selected = select(detailed, left, "morphologies" if part == "morphology" else "rewards")
+    plural = "morphologies" if part == "morphology" else "rewards"
+    if len(detailed) < len(entries):
+        plural = f"fully trained or failed {plural}"
+    selected = select(detailed, left, plural)
     selection = selected.selection
     if any(e.ok and e.job.steps < full for e in measured):
         selection += "\n\n" + render("fewer-steps", steps=f"{full:,}")
