@@ -29,6 +29,7 @@ LAYERS = (
     {"monitor", "runs"},
     {"report", "visualize"},
     {"experiment"},
+    {"studies"},
     {"testing"},
     {"cli"},
 )

@@ -34,7 +34,10 @@ CHANGES = st.fixed_dictionaries(
         "final_steps": COUNT,
         "finalists": COUNT,
         "final_seeds": COUNT,
-        "objective": st.sampled_from(["efficiency", "fitness"]),
+        "evaluations": COUNT,
+        "objective": st.sampled_from(["efficiency", "fitness", "transport-economy"]),
+        "max_volume": st.floats(1e-6, 10),
+        "max_density": st.floats(1, 1e6),
     },
 )
 

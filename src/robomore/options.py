@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -35,7 +36,10 @@ def with_options(
     final_steps: int | None = None,
     finalists: int | None = None,
     final_seeds: int | None = None,
+    evaluations: int | None = None,
     objective: Objective | None = None,
+    max_volume: float | None = None,
+    max_density: float | None = None,
 ) -> RunSettings:
     """Return `settings` with some of them changed; `None` leaves one as it is.
 
@@ -52,19 +56,30 @@ def with_options(
         final_steps: control steps of each training in the final.
         finalists: designs of the search that are trained anew in the final.
         final_seeds: training seeds of each design in the final.
-        objective: what is compared, `efficiency` or `fitness`.
+        evaluations: about how many full trainings a search may use, for methods that are not told
+            a size of their own.
+        objective: what is compared: `efficiency`, `fitness` or `transport-economy`.
+        max_volume: largest volume of a design, in m^3.
+        max_density: largest mass divided by volume, in kg/m^3.
 
     Raises:
-        InputError: a number below 1, or an unknown objective.
+        InputError: a number out of range, or an unknown objective.
     """
     for option, value in (
         ("steps", steps),
         ("final-steps", final_steps),
         ("finalists", finalists),
         ("final-seeds", final_seeds),
+        ("evaluations", evaluations),
     ):
         if value is not None and value < 1:
             raise InputError(f"--{option} is {value}; give a number from 1 up")
+    for option, limit, unit in (
+        ("max-volume", max_volume, "m^3"),
+        ("max-density", max_density, "kg/m^3"),
+    ):
+        if limit is not None and not 0 < limit < math.inf:
+            raise InputError(f"--{option} is {limit}; give a positive number in {unit}")
     if objective is not None and objective not in get_args(Objective):
         raise InputError(
             f"--objective is {objective!r}; choose one of {', '.join(get_args(Objective))}"
@@ -76,7 +91,13 @@ def with_options(
     final = {"steps": final_steps, "finalists": finalists, "seeds": final_seeds}
     given = {name: value for name, value in final.items() if value is not None}
     settings = replace(settings, final=replace(settings.final, **given))
-    return replace(settings, objective=objective) if objective else settings
+    whole: dict[str, Any] = {
+        "evaluations": evaluations,
+        "objective": objective,
+        "max_volume": max_volume,
+        "max_density": max_density,
+    }
+    return replace(settings, **{name: value for name, value in whole.items() if value is not None})
 
 
 def changes(name: str, settings: RunSettings) -> dict[str, Any] | None:
@@ -114,8 +135,9 @@ def changes(name: str, settings: RunSettings) -> dict[str, Any] | None:
     ):
         if getattr(settings.final, field) != getattr(plain.final, field):
             found[option] = getattr(settings.final, field)
-    if settings.objective != plain.objective:
-        found["objective"] = settings.objective
+    for option in ("evaluations", "objective", "max_volume", "max_density"):
+        if getattr(settings, option) != getattr(plain, option):
+            found[option] = getattr(settings, option)
     return found if with_options(preset(name), **found) == settings else None
 
 

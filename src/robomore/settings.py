@@ -14,7 +14,7 @@ from robomore.types import MethodSettings, TrainerSettings
 
 T = TypeVar("T")
 
-Objective = Literal["efficiency", "fitness"]
+Objective = Literal["efficiency", "fitness", "transport-economy"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +54,10 @@ class RunSettings:
     """About how many full trainings a search may use. Methods that are not told a size take it."""
     objective: Objective = "efficiency"
     """What is compared. The paper optimises efficiency."""
+    max_volume: float | None = None
+    """Largest volume of a design, in m^3; a larger one is refused before training."""
+    max_density: float | None = None
+    """Largest mass divided by volume, in kg/m^3; a denser design is refused before training."""
 
 
 ROBOMORE = "robomore"

@@ -169,6 +169,14 @@ class Curve:
     series: dict[str, tuple[float | None, ...]]
 
 
+GRAVITY = 9.81
+"""In m/s^2. It is the same for tasks without gravity, so that costs of transport compare."""
+
+LEAST_TRANSPORT = 1.0
+"""Distance in m from which on a robot transports anything: one that falls over forward, or drifts,
+spends almost no energy on the way."""
+
+
 @dataclass(frozen=True, slots=True)
 class Evaluation:
     """What training one design gave.
@@ -236,10 +244,34 @@ class Evaluation:
     def ok(self) -> bool:
         return self.status is Status.OK
 
+    @property
+    def energy(self) -> float | None:
+        """Mechanical energy of the motors in an episode, in J; `None` where it was not measured."""
+        return self.behaviour.get("energy_j")
+
+    @property
+    def cost_of_transport(self) -> float | None:
+        """Energy / (mass * gravity * distance), without a unit: less is better.
+
+        `None` where it was not measured, and for a robot that moves less than a metre, which
+        transports nothing.
+        """
+        distance, mass = self.behaviour.get("forward_distance_m", 0.0), self.body.get("mass")
+        if self.energy is None or mass is None or distance < LEAST_TRANSPORT:
+            return None
+        return self.energy / (mass * GRAVITY * distance)
+
     def score(self, objective: str = "efficiency") -> float | None:
-        """The number the search compares, `None` for a failure; never a sentinel."""
+        """The number the search compares, `None` for a failure; never a sentinel.
+
+        Larger is better: `transport-economy` is 1 / cost of transport, and 0 where nothing is
+        transported.
+        """
         if not self.ok:
             return None
+        if objective == "transport-economy":
+            cost = self.cost_of_transport
+            return 1 / cost if cost else 0.0 if self.energy is not None else None
         return self.efficiency if objective == "efficiency" else self.fitness
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import os
 import subprocess
 import sys
@@ -127,3 +128,17 @@ def test_importing_the_module_is_cheap_and_enough() -> None:
         "gymnasium.make('robomore/Swimmer-v0')\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+def test_a_reward_reads_what_a_step_leaves_out_and_counts_steps() -> None:
+    text = (
+        "def _get_rew(self, x_velocity, action):\n"
+        "    momentum = float(self.model.body_mass[1:].sum() * self.data.subtree_linvel[1, 0])\n"
+        "    return momentum, {'energy': self.data.energy[1], 'steps': self.training_steps}\n"
+    )
+    env = gymnasium.make("robomore/HalfCheetah-v0", reward=text)
+    env.reset(seed=0)
+    given = [env.step(np.ones(6))[1] for _ in range(5)]
+    again = copy.deepcopy(env)
+    assert np.abs(given).min() > 0 and env.unwrapped.data.energy[1] > 0
+    assert env.unwrapped.training_steps == 5 and again.unwrapped.training_steps == 0

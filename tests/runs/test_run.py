@@ -53,7 +53,7 @@ def test_the_ratio_compares_what_the_search_compared(finished: Run) -> None:
         (13.0 / finished.champion.volume) / (21.0 / finished.reference.volume)
     )
     assert finished.fitness_ratio.mean == pytest.approx(13.0 / 21.0)
-    assert finished.ratio is finished.efficiency_ratio
+    assert finished.ratio == finished.efficiency_ratio
     assert finished.ratio.interval is not None
 
 

@@ -14,6 +14,8 @@ from robomore.errors import InputError
 if TYPE_CHECKING:
     from robomore.settings import RunSettings
 
+DEFAULT_PRESET = "quick"
+
 Pairs = Annotated[list[str] | None, Parameter(negative="")]
 
 
@@ -34,7 +36,14 @@ class Search:
         Short for `--method-option reference_reward=…`: `in` makes the reference reward one column
         of the grid, `out` leaves it out, as the paper does.
     objective
-        What is compared: `efficiency` (fitness / volume, as in the paper) or `fitness`.
+        What is compared: `efficiency` (fitness / volume, as in the paper), `fitness`, or
+        `transport-economy` (1 / cost of transport).
+    max_volume
+        Largest volume of a design, in m³.
+    max_density
+        Largest mass divided by volume, in kg/m³.
+    evaluations
+        About how many full trainings the search may use, for methods without sizes of their own.
     budget_steps
         Control steps of training that the search may use. The final comes on top.
     time_limit
@@ -42,11 +51,14 @@ class Search:
         best so far, and the same command goes on later.
     """
 
-    preset: str = "quick"
+    preset: str = DEFAULT_PRESET
     method: str | None = None
     method_option: Pairs = None
     reference_reward: Literal["in", "out"] | None = None
-    objective: Literal["efficiency", "fitness"] | None = None
+    objective: Literal["efficiency", "fitness", "transport-economy"] | None = None
+    max_volume: float | None = None
+    max_density: float | None = None
+    evaluations: int | None = None
     budget_steps: int | None = None
     time_limit: str | None = None
 
@@ -159,7 +171,10 @@ def settings_of(search: Search, training: Training, final: Final) -> RunSettings
         final_steps=final.final_steps,
         finalists=final.finalists,
         final_seeds=final.final_seeds,
+        evaluations=search.evaluations,
         objective=search.objective,
+        max_volume=search.max_volume,
+        max_density=search.max_density,
     )
 
 

@@ -25,6 +25,7 @@ from robomore.types import (
     Evaluation,
     Job,
     Limits,
+    Morphology,
     Place,
     Status,
     TrainerSettings,
@@ -42,6 +43,11 @@ _SUSPECT = (Status.CRASHED, Status.FAILED)
 log = logging.getLogger(__name__)
 
 
+def no_refusal(morphology: Morphology) -> str:
+    """Refuse nothing."""
+    return ""
+
+
 @dataclass(slots=True)
 class Evaluator:
     """Measures trials for one run.
@@ -57,6 +63,7 @@ class Evaluator:
         containment: `strict` or `relaxed`.
         observe: told what goes on.
         time_is_up: asked before an evaluation is started; once it is, none is.
+        refusal: says why a morphology is not for this run although the task accepts it, or nothing.
     """
 
     task: Task
@@ -69,9 +76,15 @@ class Evaluator:
     containment: str = "strict"
     observe: Observer = field(default=ignore)
     time_is_up: Callable[[], bool] = field(default=never)
+    refusal: Callable[[Morphology], str] = field(default=no_refusal)
 
     def measure(
-        self, trials: Sequence[Trial], *, budget: Budget, budget_fraction: float = 1.0
+        self,
+        trials: Sequence[Trial],
+        *,
+        budget: Budget,
+        budget_fraction: float = 1.0,
+        refuse: bool = True,
     ) -> list[Evaluation]:
         """Return one evaluation for each trial, in order. Trials of equal content share one.
 
@@ -81,6 +94,7 @@ class Evaluator:
             budget_fraction: of the steps to train for now. What was trained for a fraction goes on
                 from there when it is asked for more in the next batch, and is dropped when it is
                 not; either way the numbers are those of training in one go.
+            refuse: whether a morphology that is not for this run fails without any training.
 
         Raises:
             TimeLimitReached: the time is up before all of them are measured; those that are stay
@@ -89,6 +103,8 @@ class Evaluator:
         jobs = [self._job(trial, budget, budget_fraction) for trial in trials]
         self._drop_checkpoints(but=jobs)
         keys = [job_key(job, self.versions) for job in jobs]
+        if refuse:
+            self._refuse(dict(zip(keys, jobs, strict=True)))
         known = {key: found for key in keys if (found := self.ledger.evaluation(key))}
         # Trials of equal content are told as one, in the place that comes first.
         asked: dict[str, tuple[Job, Place]] = {}
@@ -107,6 +123,14 @@ class Evaluator:
             if missing and self.time_is_up():
                 raise TimeLimitReached(f"{len(missing)} evaluations of a batch were not started")
         return [known[key] for key in keys]
+
+    def _refuse(self, jobs: Mapping[str, Job]) -> None:
+        """Write down a failure for each job whose morphology is not for this run."""
+        for key, job in jobs.items():
+            why = self.refusal(job.design.morphology)
+            if why and self.ledger.evaluation(key) is None:
+                refused = Evaluation(key, job, Status.INVALID_MORPHOLOGY, why)
+                self.ledger.add_evaluation(refused)
 
     def restore_policies(self, evaluations: Sequence[Evaluation]) -> None:
         """Train again, to the same numbers, what has lost its policy to damage or to tidying.

@@ -12,12 +12,14 @@ from pathlib import Path
 from robomore.designers import LanguageModel, Replay
 from robomore.designers.absent import NoDesigner
 from robomore.designers.recorded import RecordedDesigner
-from robomore.errors import InputError, Interrupted, TimeLimitReached
+from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitReached
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, thread_map
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
+from robomore.experiment.limits import limited, refusal
+from robomore.experiment.training_facts import training_facts
 from robomore.plan import Plan
 from robomore.report import write_report
 from robomore.runs import Run, load_run
@@ -85,15 +87,18 @@ def run(
     method = make_method(settings.method)
     make_executor = EXECUTORS.get(executor)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
-    _refuse_useless(settings, method, designer, seed, budget_steps, time_limit)
+    _refuse_useless(task, settings, method, designer, seed, budget_steps, time_limit)
+    # Search and designer know the limits as rules; a worker knows the task as it is.
+    searched = limited(task, settings)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
     mode, layers = choose_containment(containment, ours=designer in (None, "offline"))
     chosen = _no_designer(method)
     if method.needs_designer:
         asked = designer or "offline"
-        chosen = choose_designer(asked, task, seed, settings.objective, mode, observe)
+        facts = training_facts(settings, task)
+        chosen = choose_designer(asked, searched, seed, settings.objective, mode, observe, facts)
     context = SearchContext(
-        task=task,
+        task=searched,
         reference=Design(
             Morphology(task.reference, "the reference design"),
             Reward(task.reward, "the reference reward"),
@@ -153,17 +158,19 @@ def run(
             containment=mode,
             observe=observe,
             time_is_up=time_is_up,
+            refusal=partial(refusal, searched),
         )
         recorded = RecordedDesigner(chosen.make(folder, stack), ledger, observe, time_is_up)
         context = replace(context, observe=ledger.noting(observe))
         try:
             best = _search(method, recorded, evaluator, context, budget_steps)
             outcome = final(
-                partial(evaluator.measure, budget=settings.final),
+                partial(evaluator.measure, budget=settings.final, refuse=False),
                 best[: settings.final.finalists],
                 context.reference,
                 settings.final.seeds,
                 settings.objective,
+                lambda morphology: not refusal(searched, morphology),
             )
             evaluator.restore_policies(outcome.champion)
             save_champion(folder, task, outcome.champion, settings.objective)
@@ -187,13 +194,21 @@ def _search(
     context: SearchContext,
     budget_steps: int | None,
 ) -> list[Evaluation]:
-    """Return the method's designs, best first, or the best so far when its budget is spent."""
+    """Return the method's designs, best first, or the best so far when its budget is spent.
+
+    Raises:
+        NothingTrained: there is none.
+    """
     measure = partial(evaluator.measure, budget=context.candidate)
     evaluate = BudgetedEvaluate(measure, context.candidate, budget_steps)
     try:
-        return method.run(designer, evaluate, context)
+        best = method.run(designer, evaluate, context)
     except BudgetSpent:
-        return evaluate.best(context.objective)
+        best = evaluate.best(context.objective)
+    if not best:
+        why = next((f"; for example: {e.diagnosis}" for e in evaluator.ledger.evaluations()), "")
+        raise NothingTrained(f"the search trained no design that can be compared{why}")
+    return best
 
 
 def _note_final(ledger: Ledger, outcome: Final) -> None:
@@ -206,6 +221,7 @@ def _note_final(ledger: Ledger, outcome: Final) -> None:
 
 
 def _refuse_useless(
+    task: Task,
     settings: RunSettings,
     method: SearchMethod,
     designer: object,
@@ -218,6 +234,11 @@ def _refuse_useless(
     Raises:
         InputError: naming the value, the range and the remedy.
     """
+    if settings.objective == "transport-economy" and task.fitness != "distance":
+        raise InputError(
+            f"{task.id} is about a {task.fitness} and transports nothing; choose --objective "
+            "fitness or efficiency"
+        )
     if designer is not None and not method.needs_designer:
         raise InputError(
             f"the method {settings.method.name!r} asks no designer; leave the designer out"

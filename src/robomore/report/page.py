@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, pass_context
+from jinja2.runtime import Context
 from markupsafe import Markup
 
 from robomore.errors import InvalidMorphology
@@ -21,6 +23,7 @@ from robomore.runs.grid import grids
 from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
 from robomore.store import RunFolder
 from robomore.text import sanitize
+from robomore.types import Place
 
 _PICTURE = (460, 340)
 
@@ -48,6 +51,35 @@ def write_report(run: Run | Path, out: Path | None = None) -> Path:
 
 def render(run: Run) -> str:
     """Return the page of a run as HTML text."""
+    found = grids(run)
+    # A search that was measured under its own names: dots of these stages are told apart.
+    searched = {record.place.stage for record in (*run.searched, *run.cut)}
+    return (
+        _templates()
+        .get_template("report.html")
+        .render(
+            run=run,
+            manifest=run.manifest,
+            task=run.task,
+            champion=run.champion,
+            reference=run.reference,
+            unit=unit_of(run.objective),
+            grids=[(grid.stage.name, heatmap(grid, run.objective)) for grid in found],
+            stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
+            best_so_far=best_so_far(run),
+            fitness_over_volume=fitness_over_volume(run),
+            dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
+            curves=learning_curves(run),
+            drawings=_drawings(run),
+            parameters=parameter_rows(run),
+            command=command_line(run.manifest),
+        )
+    )
+
+
+@cache
+def _templates() -> Environment:
+    """Return the page's templates; compiling them takes longer than filling them."""
     environment = Environment(
         loader=PackageLoader("robomore.report"),
         autoescape=True,
@@ -61,31 +93,19 @@ def render(run: Run) -> str:
         "duration": duration,
         "label": label,
         "measured": measured,
-        "place": run.plan.describe,
+        "place": _described,
         "with_interval": with_interval,
         "highlighted": lambda source: Markup(highlighted(source)),
         "markup": Markup,
     }
-    found = grids(run)
-    # A search that was measured under its own names: dots of these stages are told apart.
-    searched = {record.place.stage for record in (*run.searched, *run.cut)}
-    return environment.get_template("report.html").render(
-        run=run,
-        manifest=run.manifest,
-        task=run.task,
-        champion=run.champion,
-        reference=run.reference,
-        unit=unit_of(run.objective),
-        grids=[(grid.stage.name, heatmap(grid, run.objective)) for grid in found],
-        stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
-        best_so_far=best_so_far(run),
-        fitness_over_volume=fitness_over_volume(run),
-        dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
-        curves=learning_curves(run),
-        drawings=_drawings(run),
-        parameters=parameter_rows(run),
-        command=command_line(run.manifest),
-    )
+    return environment
+
+
+@pass_context
+def _described(context: Context, place: Place) -> str:
+    """Return a place of the run that is shown in words."""
+    run: Run = context["run"]
+    return run.plan.describe(place)
 
 
 def _drawings(run: Run) -> dict[str, Markup]:

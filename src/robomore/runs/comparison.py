@@ -22,8 +22,9 @@ class Comparison:
     def rows(self) -> list[Row]:
         """Return one row a run; the same columns for every method.
 
-        Units: fitness m, volume m^3, efficiency m/m^3. `ratio` is champion over reference in what
-        that run compared, with its 95 % interval where there are seeds enough for one.
+        Units: fitness m, volume m^3, energy J, efficiency m/m^3. `ratio` is champion over
+        reference in what that run compared, with its 95 % interval where there are seeds enough
+        for one.
         """
         return [_row(run) for run in self.runs]
 
@@ -65,6 +66,9 @@ def _row(run: Run) -> Row:
         "final_seeds": len(champion.evaluations) if champion and run.final else 0,
         "fitness": _mean(champion.fitness if champion else None),
         "volume": champion.volume if champion else None,
+        "energy": champion.behaviour.get("energy_j") if champion else None,
+        "pareto_set": len(run.pareto_set),
+        "hypervolume": run.hypervolume,
         "proposed_by": run.champion_role,
         "evaluations": run.cost.evaluations,
         "search_steps": run.search_steps,

@@ -16,6 +16,7 @@ from robomore.plan import Plan
 from robomore.runs.empty import EmptySlot
 from robomore.runs.lineage import Record, ancestry, best_of, same_training
 from robomore.runs.pairs import Pairs, crossed_pairs
+from robomore.runs.pareto import covered, pareto_set
 from robomore.runs.table import Row, dataframe, rows
 from robomore.runs.trained import TrainedDesign, trained_design
 from robomore.runs.warnings import warnings_about
@@ -117,7 +118,7 @@ class Run:
 
     @property
     def objective(self) -> Objective:
-        """What the search compared: `efficiency` or `fitness`."""
+        """What the search compared: `efficiency`, `fitness` or `transport-economy`."""
         return self.manifest.settings.objective
 
     @cached_property
@@ -130,10 +131,10 @@ class Run:
         """Champion's fitness over the reference's."""
         return _ratio(self.champion, self.reference, "fitness")
 
-    @property
+    @cached_property
     def ratio(self) -> Spread | None:
         """Champion over reference in what the search compared."""
-        return self.efficiency_ratio if self.objective == "efficiency" else self.fitness_ratio
+        return _ratio(self.champion, self.reference, self.objective)
 
     @property
     def headline(self) -> Spread | None:
@@ -226,6 +227,16 @@ class Run:
     def warnings(self) -> tuple[str, ...]:
         """What to keep in mind before believing the champion, the most important first."""
         return warnings_about(self)
+
+    @cached_property
+    def pareto_set(self) -> tuple[Evaluation, ...]:
+        """Evaluations of the search that no other beats in fitness, volume and energy at once."""
+        return pareto_set(self)
+
+    @cached_property
+    def hypervolume(self) -> float | None:
+        """What the Pareto set covers, relative to the reference (`robomore.runs.pareto`)."""
+        return covered(self)
 
     # Tables --------------------------------------------------------------------------------------
 
@@ -331,10 +342,10 @@ class Run:
 
 
 def _ratio(
-    champion: TrainedDesign | None, reference: TrainedDesign | None, name: str
+    champion: TrainedDesign | None, reference: TrainedDesign | None, objective: str
 ) -> Spread | None:
-    above = getattr(champion, name, None)
-    below = getattr(reference, name, None)
+    above = champion.score(objective) if champion else None
+    below = reference.score(objective) if reference else None
     return ratio(above.values, below.values) if above and below else None
 
 

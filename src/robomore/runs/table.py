@@ -22,7 +22,8 @@ Row = dict[str, Any]
 def rows(records: Sequence[Record], task: Task, plan: Plan) -> list[Row]:
     """Return one row an evaluation, in the order of the search.
 
-    Units: fitness m, volume m^3, efficiency m/m^3, lengths as the task says, times core-seconds.
+    Units: fitness m, volume m^3, efficiency m/m^3, energy J, lengths as the task says, times
+    core-seconds.
     """
     return [_row(record, task, plan) for record in records]
 
@@ -40,6 +41,8 @@ def _row(record: Record, task: Task, plan: Plan) -> Row:
         "fitness": evaluation.fitness,
         "volume": evaluation.volume,
         "efficiency": evaluation.efficiency,
+        "energy": evaluation.energy,
+        "cost_of_transport": evaluation.cost_of_transport,
         "steps": evaluation.job.steps,
         "core_seconds": evaluation.seconds,
         "seed": evaluation.job.seed,

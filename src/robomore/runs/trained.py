@@ -54,8 +54,9 @@ class TrainedDesign:
         return max(self.trained, key=lambda evaluation: evaluation.score(objective) or 0.0)
 
     def score(self, objective: str) -> Spread | None:
-        """Return efficiency or fitness, whichever is compared."""
-        return self.efficiency if objective == "efficiency" else self.fitness
+        """Return what is compared, over the seeds that trained; `None` if none did."""
+        scores = [score for e in self.evaluations if (score := e.score(objective)) is not None]
+        return spread(scores) if scores else None
 
 
 def trained_design(name: str, task: Task, evaluations: Sequence[Evaluation]) -> TrainedDesign:

@@ -28,8 +28,8 @@ def short(value: float) -> str:
 
 
 def unit_of(objective: str) -> str:
-    """Return the unit of what is compared: m/m³ for efficiency, m for fitness."""
-    return EFFICIENCY_UNIT if objective == "efficiency" else "m"
+    """Return the unit of what is compared: m/m³ for efficiency, m for fitness, else none."""
+    return {"efficiency": EFFICIENCY_UNIT, "fitness": "m"}.get(objective, "")
 
 
 def with_interval(measured: Spread, unit: str = "", digits: int = 4) -> str:
@@ -61,6 +61,7 @@ def duration(seconds: float) -> str:
 LABELS = {
     "efficiency": "efficiency (m/m³)",
     "fitness": "fitness (m)",
+    "transport-economy": "transport economy (1 / cost of transport)",
     "volume": "volume (m³)",
     "mass": "mass (kg)",
     "density": "mass divided by volume (kg/m³)",
@@ -78,10 +79,17 @@ LABELS = {
     "ground_contact_share": "time with contact to the ground",
     "stride_frequency_hz": "stride frequency (Hz)",
     "joint_amplitude_rad": "mean amplitude of the driven hinges (rad)",
+    "saturated_share": "motor commands at their limit",
+    "sideways_drift_m": "sideways drift of the torso (m)",
+    "turn_rad": "turn about the vertical axis (rad)",
+    "fell_too_low_share": "episodes that ended with the torso too low",
+    "fell_too_high_share": "episodes that ended with the torso too high",
+    "fell_tilted_share": "episodes that ended with the torso tilted",
+    "fell_diverged_share": "episodes that ended because the simulation diverged",
+    "fell_unhealthy_share": "episodes that ended for another reason",
 }
 """What numbers are called before people, by the names that they have in evaluations."""
 
-_SHARES = frozenset({"fell_share", "ground_contact_share"})
 _UNITS = {
     "_m_s": "m/s",
     "_m": "m",
@@ -108,6 +116,6 @@ def label(name: str) -> str:
 
 def measured(name: str, value: float | None) -> str:
     """Return the value of a number of that name, in the unit of its label."""
-    if name in _SHARES and value is not None:
+    if name.endswith("_share") and value is not None:
         return f"{number(100 * value, 3)} %"
     return number(value)

@@ -14,7 +14,7 @@ from robomore.identity import derive_seed
 from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
-from robomore.search.population import Array, Candidate, trained, valid_point
+from robomore.search.population import Array, Candidate, start_candidate, trained, valid_point
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Evaluation
 
@@ -83,7 +83,7 @@ class CMAES:
         """Return the trained morphologies, best first; `designer` is not asked."""
         space = UnitSpace(context.task)
         count, size = self._sizes(context)
-        anchor = context.task.reference
+        anchor = start_candidate(context).parameters
         sampler = self._sampler(space, anchor, size, context.seed, 0)
         found: list[Evaluation] = []
         for generation in range(math.ceil(count / size)):

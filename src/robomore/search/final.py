@@ -9,14 +9,14 @@ all is the champion, whoever proposed it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
 from robomore.plan import Stage
 from robomore.search.measure import Evaluate
 from robomore.settings import FinalSettings
-from robomore.types import Design, Evaluation, Place, Trial
+from robomore.types import Design, Evaluation, Morphology, Place, Trial
 
 STAGE = "final"
 
@@ -69,6 +69,7 @@ def final(
     reference: Design,
     seeds: int,
     objective: str,
+    eligible: Callable[[Morphology], bool] = lambda morphology: True,
 ) -> Final:
     """Train `finalists`, `reference` and the crossed pairs anew, and name the champion.
 
@@ -80,7 +81,8 @@ def final(
         finalists: the search's best, best first.
         reference: the reference morphology under the reference reward.
         seeds: training seeds of each design.
-        objective: `efficiency` or `fitness`.
+        objective: what is compared.
+        eligible: whether a morphology may be champion; the reference may break the run's limits.
     """
 
     def trials(role: str, design: Design, index: int = 0, parent: str = "") -> list[Trial]:
@@ -116,9 +118,10 @@ def final(
         found = max(groups, key=lambda group: standing(group, objective))
         best = finalists[groups.index(found)]
         morphology_only, reward_only = _by_design(evaluate(crossed(best)), seeds)
+    groups = [found, morphology_only, reward_only, with_reference]
     return Final(
         champion=max(
-            (found, morphology_only, reward_only, with_reference),
+            (group for group in groups if eligible(group[0].design.morphology)),
             key=lambda group: standing(group, objective),
         ),
         found=found,

@@ -20,7 +20,7 @@ from robomore.identity import derive_seed
 from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, improves, ranked
 from robomore.search.method import SearchContext
-from robomore.search.population import Array, Candidate, reference_candidate, trained, valid_point
+from robomore.search.population import Array, Candidate, start_candidate, trained, valid_point
 from robomore.search.random import drawn
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Evaluation
@@ -121,7 +121,7 @@ class MapElites:
         seed = derive_seed(context.seed, STAGE, number)
         if not elites:
             if number == 0:
-                return reference_candidate(context)
+                return start_candidate(context)
             morphology = drawn(context.task, seed, self.settings.deviation)
             return Candidate(morphology.parameters, morphology.idea)
         random = np.random.default_rng(seed)

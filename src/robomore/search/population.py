@@ -7,22 +7,27 @@ one, so that no training is spent on what the task refuses.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.errors import InvalidMorphology
+from robomore.errors import InvalidMorphology, NothingTrained
 from robomore.search.measure import Evaluate
 from robomore.search.method import SearchContext
-from robomore.tasks.unit_space import UnitSpace
+from robomore.tasks.task import Task
+from robomore.tasks.unit_space import DECIMALS, UnitSpace
 from robomore.types import Design, Evaluation, Morphology, Place, Trial
 
 Array = NDArray[np.float64]
 
 DRAWS = 100
 """Draws before a point is pulled towards a valid one."""
+
+_SCALES = 401
+"""Scales of the radii that are tried, 1 among them."""
 
 _HALVINGS = 20
 """Steps of the bisection between a valid and an invalid point."""
@@ -77,9 +82,32 @@ def accepted(space: UnitSpace, point: Array) -> tuple[float, ...] | None:
         return None
 
 
-def reference_candidate(context: SearchContext) -> Candidate:
-    """Return the reference morphology, which these methods start from."""
-    return Candidate(context.task.reference, "the reference design")
+def start(task: Task) -> tuple[float, ...] | None:
+    """Return the reference, or the reference at the nearest scale of its radii that is valid.
+
+    A run's limits may refuse the reference itself. `None` where they refuse every scale.
+    """
+    radii = UnitSpace(task).radii
+    reference = np.array(task.reference)
+    for scale in sorted(np.geomspace(1e-2, 1e2, _SCALES), key=lambda one: abs(math.log(one))):
+        values = np.where(radii, np.round(scale * reference, DECIMALS), reference)
+        try:
+            return task.check(values.tolist())
+        except InvalidMorphology:
+            continue
+    return None
+
+
+def start_candidate(context: SearchContext) -> Candidate:
+    """Return what these methods start from: the reference, if the run's limits allow it."""
+    begin = start(context.task)
+    if begin == context.task.reference:
+        return Candidate(begin, "the reference design")
+    if begin is None:
+        raise NothingTrained(
+            f"{context.task.id}: no scale of the reference's radii is valid; give larger limits"
+        )
+    return Candidate(begin, "the reference with its radii scaled into the run's limits")
 
 
 def trained(

@@ -14,6 +14,7 @@ from robomore.identity import derive_seed
 from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
+from robomore.search.population import start
 from robomore.tasks.task import Task
 from robomore.types import Design, Evaluation, Morphology, Place, Trial
 
@@ -81,6 +82,8 @@ class RandomSearch:
 def drawn(task: Task, seed: int, deviation: float) -> Morphology:
     """Return a valid morphology from a Gaussian around the task's reference, cut at its bounds.
 
+    Where a run's limits refuse the reference, its radii are scaled into them first.
+
     Args:
         task: whose parameters these are.
         seed: of the draw.
@@ -90,7 +93,7 @@ def drawn(task: Task, seed: int, deviation: float) -> Morphology:
         NothingTrained: none of many draws passed the task's rules.
     """
     random = np.random.default_rng(seed)
-    mean = np.array(task.reference)
+    mean = np.array(start(task) or task.reference)
     low = np.array([parameter.low for parameter in task.parameters])
     high = np.array([parameter.high for parameter in task.parameters])
     size = deviation * np.maximum(np.abs(mean), LEAST_SHARE * (high - low))

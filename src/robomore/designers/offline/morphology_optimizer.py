@@ -132,20 +132,21 @@ class MorphologyOptimizer:
         A morphology with several rewards is one point. The mean effect of each reward is subtracted
         first, so that no morphology gets credit for its reward.
         """
-        fitness = [e.fitness for e in evaluations if e.ok and e.fitness is not None]
-        floor = FITNESS_FLOOR * max([*fitness, 1e-9])
+        # The volume in efficiency is known, so only the fitness is learned.
+        learned = "fitness" if self._objective == "efficiency" else self._objective
+        measured = [(e, y) for e in evaluations if (y := e.score(learned)) is not None]
+        floor = FITNESS_FLOOR * max([*(y for _, y in measured), 1e-9])
         results = [
             (e.design.morphology.parameters, e.design.reward.source, float(np.log(max(y, floor))))
-            for e in evaluations
-            if e.ok and (y := e.fitness) is not None
+            for e, y in measured
         ]
         rows, effects = by_morphology(results), reward_effects(results)
         means = [np.mean([y - effects[r] for r, y in row.items()]) for row in rows.values()]
         counts = np.array([len(row) for row in rows.values()], float)
-        measured = np.array(list(rows), dtype=float)
+        tried = np.array(list(rows), dtype=float)
         # The penalty is a guess, which the measurements correct.
-        values = np.array(means, float) + self._prior.penalty(measured)
-        return self._space.units(measured), values, counts
+        values = np.array(means, float) + self._prior.penalty(tried)
+        return self._space.units(tried), values, counts
 
     def _trust_radius(self, best: Evaluation, history: Sequence[Evaluation]) -> float:
         """Return the half-width of the trust region, smaller after each failed improvement."""

@@ -133,6 +133,10 @@ class RobotEnvironment(MujocoEnv):
         return model, mujoco.MjData(model)
 
     def _get_rew(self, x_velocity: float, action: Array) -> tuple[float, Mapping[str, float]]:
+        # What a step leaves out; the official step computes the forces.
+        mujoco.mj_subtreeVel(self.model, self.data)
+        mujoco.mj_energyPos(self.model, self.data)
+        mujoco.mj_energyVel(self.model, self.data)
         known = set(vars(self))
         result = self._reward(self, x_velocity, action)
         self._reward_calls += 1

@@ -26,7 +26,7 @@ from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
 from robomore.search.population import (
     Candidate,
-    reference_candidate,
+    start_candidate,
     trained,
     valid_point,
 )
@@ -125,10 +125,11 @@ def _first(space: UnitSpace, count: int, context: SearchContext) -> list[Candida
     random = np.random.default_rng(derive_seed(context.seed, STAGE, "first"))
     # A Latin hypercube: each range is cut into slices, and each slice is used once.
     slices = np.stack([random.permutation(count - 1) for _ in range(space.size)], axis=1)
-    candidates = [reference_candidate(context)]
+    begin = start_candidate(context)
+    candidates = [begin]
     for cell in slices:
         draw = partial(_within, cell, count - 1, random)
-        values = valid_point(space, draw, context.task.reference)
+        values = valid_point(space, draw, begin.parameters)
         candidates.append(Candidate(values, "a first point, spread over the bounds"))
     return candidates
 

@@ -1,0 +1,105 @@
+"""`robomore study`: a grid of runs with tables and figures."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Group, Parameter
+
+from robomore.cli.llm import ModelOptions, ReplayOptions, chosen
+from robomore.cli.output import console, write
+from robomore.cli.run_options import Machine
+from robomore.errors import InputError
+
+if TYPE_CHECKING:
+    from robomore.events import Observer
+    from robomore.studies import Cell
+
+
+def study(
+    name: str | None = None,
+    /,
+    *tasks: str,
+    preset: str = "quick",
+    seeds: int | None = None,
+    arm: Annotated[list[str] | None, Parameter(negative="")] = None,
+    designer: Annotated[str | None, Parameter(group=Group("Designer", sort_key=4))] = None,
+    model: ModelOptions | None = None,
+    replay: ReplayOptions | None = None,
+    machine: Machine | None = None,
+    plan: Annotated[bool, Parameter(negative="")] = False,
+) -> None:
+    """Run a study: several methods or settings on several tasks, with tables and figures.
+
+    The same command again finishes a study that was stopped. Without a name, the studies are
+    listed.
+
+    Parameters
+    ----------
+    name
+        Name of a study.
+    tasks
+        Ids of tasks; by default those of the study.
+    preset
+        How large the runs are: `smoke`, `quick`, `standard` or `paper`.
+    seeds
+        Runs of each arm on each task; by default as many as the preset says.
+    arm
+        Only this arm of the study. May be given several times.
+    designer
+        Who proposes in the arms that ask a designer: `offline` (the default), `llm` or `replay`.
+    plan
+        List the runs and the most control steps that they take, and start nothing.
+    """
+    from robomore.runs.words import number
+    from robomore.studies import STUDIES, run_study
+    from robomore.studies.execute import cells_of
+    from robomore.studies.presets import scale
+
+    if name is None:
+        screen = console()
+        for known, found in STUDIES.items():
+            screen.print(f"[bold]{known}[/]  {found.summary}")
+            screen.print(f"  {', '.join(one.name for one in found.arms)}", markup=False)
+        return
+    wanted = STUDIES.get(name)
+    machine = machine or Machine()
+    machine.check()
+    size = scale(preset)
+    cells = cells_of(wanted, tasks, size, size.seeds if seeds is None else seeds)
+    if arm:
+        if unknown := sorted(set(arm) - {one.name for one in wanted.arms}):
+            raise InputError(
+                f"{name} has no arm {', '.join(map(repr, unknown))}; it has "
+                f"{', '.join(one.name for one in wanted.arms)}"
+            )
+        cells = [cell for cell in cells if cell.arm.name in arm]
+    if plan:
+        for cell in cells:
+            write(f"{cell.folder.name}\n")
+        steps = sum(cell.budget_steps for cell in cells)
+        write(
+            f"{len(cells)} runs, at most {number(steps)} control steps of search; finals on top\n"
+        )
+        return
+    out = machine.out or Path("studies") / f"{name}-{preset}"
+
+    def tell(index: int, cell: Cell) -> Observer:
+        sys.stderr.write(f"run {index + 1} of {len(cells)}: {cell.folder.name}\n")
+        return lambda event: None
+
+    results = run_study(
+        wanted,
+        cells,
+        out,
+        designer=chosen(designer, model, replay),
+        executor=machine.executor,
+        workers=machine.workers,
+        containment=machine.containment,
+        tell=tell,
+    )
+    for table in wanted.tables(results):
+        write(f"{table.markdown()}\n")
+    write(f"tables and figures: {out}\n")

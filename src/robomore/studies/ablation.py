@@ -1,0 +1,55 @@
+"""What each part of the paper's method is good for: the search without it, on the same budget."""
+
+from __future__ import annotations
+
+from robomore.studies.scores import aggregate_table, curve_figures, found_table, interval_figure
+from robomore.studies.study import Arm, Draw, Results, Study
+from robomore.studies.table import Table
+
+FULL = "robomore"
+
+
+def _without(*parts: str) -> Arm:
+    options = {"method_options": {"without": list(parts)}}
+    return Arm(f"without-{'-'.join(parts)}", options)
+
+
+def _full(results: Results) -> dict[str, float]:
+    """Return the mean of the whole method on each task."""
+    found = {task: results.scores(task, FULL) for task in results.tasks}
+    return {task: sum(scores) / len(scores) for task, scores in found.items() if scores}
+
+
+def _tables(results: Results) -> list[Table]:
+    return [
+        found_table(results),
+        aggregate_table(results, "over-robomore", FULL, _full(results)),
+    ]
+
+
+def _figures(results: Results) -> dict[str, Draw]:
+    return curve_figures(results) | interval_figure(results, _full(results), FULL)
+
+
+ABLATION = Study(
+    name="ablation",
+    summary="robomore without diversity, morphology, reward, or the reference reward",
+    arms=(
+        Arm(FULL),
+        _without("diversity"),
+        _without("morphology"),
+        _without("reward"),
+        Arm("without-reference-reward", {"method_options": {"reference_reward": "out"}}),
+        Arm("reference", {"method": "reference"}),
+    ),
+    tables=_tables,
+    figures=_figures,
+)
+
+COARSE_TO_FINE = Study(
+    name="coarse-to-fine",
+    summary="robomore without the coarse stage, and without the fine one",
+    arms=(Arm(FULL), _without("fine"), _without("coarse")),
+    tables=_tables,
+    figures=_figures,
+)

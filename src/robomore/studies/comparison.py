@@ -1,0 +1,46 @@
+"""The paper's main table and more methods: all on one budget, and against the slimmed human."""
+
+from __future__ import annotations
+
+from statistics import fmean
+
+from robomore.search import METHODS
+from robomore.studies.scores import aggregate_table, curve_figures, found_table, interval_figure
+from robomore.studies.study import Arm, Draw, Results, Study
+from robomore.studies.table import Table
+
+SLIM = "slim-reference"
+
+
+def _arms() -> tuple[Arm, ...]:
+    """Return every method of this installation; the presets' own keeps their options for it."""
+    return tuple(Arm(name, {} if name == "robomore" else {"method": name}) for name in METHODS)
+
+
+def _slim(results: Results) -> dict[str, float]:
+    return {task: fmean(s) for task in results.tasks if (s := results.scores(task, SLIM))}
+
+
+def _tables(results: Results) -> list[Table]:
+    human = {
+        task: value for task in results.tasks if (value := results.reference(task)) is not None
+    }
+    return [
+        found_table(results),
+        aggregate_table(results, "over-human", "reference", human),
+        aggregate_table(results, "over-slim", SLIM, _slim(results)),
+    ]
+
+
+def _figures(results: Results) -> dict[str, Draw]:
+    return curve_figures(results) | interval_figure(results, _slim(results), SLIM)
+
+
+COMPARISON = Study(
+    name="comparison",
+    summary="every method on one budget, over the human and the slimmed human design",
+    arms=_arms(),
+    tables=_tables,
+    figures=_figures,
+    tasks=("swimmer", "half-cheetah"),
+)

@@ -1,0 +1,162 @@
+"""Runs the cells of a study one after the other, and writes what they show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from robomore.designers import LanguageModel, Replay
+from robomore.errors import InputError, NothingTrained, RunFolderError
+from robomore.events import Observer, ignore
+from robomore.experiment import run
+from robomore.options import with_options
+from robomore.runs import Run, load_run
+from robomore.search import make_method
+from robomore.studies.presets import Scale
+from robomore.studies.study import Cell, Results, Study
+from robomore.tasks import get_task
+
+FORMATS = ("svg", "pdf", "png")
+
+
+def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> list[Cell]:
+    """Return the cells of a study, seed by seed, so that one that is stopped has whole seeds.
+
+    Args:
+        study: what is compared.
+        tasks: ids of tasks; those of the study if there are none.
+        scale: how large its runs are.
+        seeds: runs of each arm on each task.
+
+    Raises:
+        InputError: an unknown task, or an option that cannot be used.
+    """
+    if seeds < 1:
+        raise InputError(f"--seeds is {seeds}; give a number from 1 up")
+    plain = with_options(scale.settings, **study.change)
+    budget = replace(scale, settings=plain).budget_steps
+    found = []
+    for seed in range(seeds):
+        for task in dict.fromkeys(tasks or study.tasks):
+            get_task(task)
+            for arm in study.arms:
+                settings = arm.settings(plain)
+                make_method(settings.method)
+                found.append(Cell(task, arm, seed, settings, budget))
+    return found
+
+
+def run_study(
+    study: Study,
+    cells: Sequence[Cell],
+    out: Path,
+    *,
+    designer: str | LanguageModel | Replay | None = None,
+    executor: str = "processes",
+    workers: int | None = None,
+    containment: str | None = None,
+    tell: Callable[[int, Cell], Observer] = lambda index, cell: ignore,
+) -> Results:
+    """Run what is missing of a study; tables and figures are written at the end.
+
+    Args:
+        study: what is compared.
+        cells: of the study (`cells_of`).
+        out: its folder.
+        designer: who proposes in the arms whose methods ask one.
+        executor: where evaluations run.
+        workers: evaluations side by side.
+        containment: `strict` or `relaxed`, see `robomore.run`.
+        tell: is called before each cell, and returns who observes its run.
+
+    Raises:
+        InputError: something asked for cannot be done.
+        RunFolderError: a cell's folder holds another run.
+        Interrupted: Ctrl-C; the same call goes on where this one stopped.
+    """
+    done = []
+    for index, cell in enumerate(cells):
+        folder = out / cell.folder
+        observe = tell(index, cell)
+        found = _finished(cell, folder)
+        if found is None:
+            asks = make_method(cell.settings.method).needs_designer
+            try:
+                found = run(
+                    cell.task,
+                    cell.settings,
+                    designer=designer if asks else None,
+                    seed=cell.seed,
+                    executor=executor,
+                    workers=workers,
+                    out=folder,
+                    budget_steps=cell.budget_steps,
+                    containment=containment,
+                    observe=observe,
+                    name=f"{study.name}-{cell.arm.name}",
+                )
+            except NothingTrained:
+                # Its ledger tells why; the tables tell how many runs found something.
+                found = load_run(folder)
+        done.append((cell, found))
+    results = Results(tuple(done))
+    write_results(study, results, out)
+    return results
+
+
+def write_results(study: Study, results: Results, out: Path) -> list[Path]:
+    """Write the tables of a study, and its figures if Matplotlib is installed; return the files.
+
+    Raises:
+        InputError: a file cannot be written.
+    """
+    files: dict[Path, bytes] = {}
+    for table in study.tables(results):
+        for ending, text in (
+            ("md", table.markdown()),
+            ("tex", table.latex()),
+            ("csv", table.csv()),
+        ):
+            files[out / "tables" / f"{table.name}.{ending}"] = text.encode()
+    try:
+        for path, content in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        return [*files, *_drawn(study, results, out / "figures")]
+    except OSError as error:
+        raise InputError(f"cannot write to {out} ({error.strerror}); name another --out") from None
+
+
+def _drawn(study: Study, results: Results, folder: Path) -> list[Path]:
+    from robomore.visualize.canvas import matplotlib
+
+    try:
+        pyplot = matplotlib("pyplot")
+    except InputError:
+        return []
+    found = []
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, draw in study.figures(results).items():
+        figure, axes = pyplot.subplots(layout="constrained")
+        draw(axes)
+        for ending in FORMATS:
+            found.append(folder / f"{name}.{ending}")
+            figure.savefig(found[-1])
+        pyplot.close(figure)
+    return found
+
+
+def _finished(cell: Cell, folder: Path) -> Run | None:
+    """Return the run of a cell that is done; what is not, or is another run, is left to `run`."""
+    try:
+        found = load_run(folder)
+    except RunFolderError:
+        return None
+    manifest = found.manifest
+    same = (manifest.task, manifest.seed, manifest.settings) == (
+        cell.task,
+        cell.seed,
+        cell.settings,
+    )
+    return found if same and found.final and not found.task_changes else None

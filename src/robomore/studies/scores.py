@@ -1,0 +1,151 @@
+"""Tables and curves that most studies share: what each arm found, and on what budget."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from statistics import fmean
+
+from robomore.runs.progress import progress
+from robomore.runs.words import label, unit_of
+from robomore.statistics import (
+    interquartile_mean,
+    mean_of_all,
+    probability_of_improvement,
+    stratified_interval,
+)
+from robomore.statistics.spread import FEWEST
+from robomore.studies.study import Draw, Results
+from robomore.studies.table import Entry, Table
+from robomore.visualize.studies import curves, intervals
+
+POINTS = 60
+"""Budgets at which a curve is read."""
+
+
+def found_table(results: Results) -> Table:
+    """Return what each arm found on each task: the mean of its runs, and their range."""
+    rows: list[tuple[Entry, ...]] = []
+    for task in results.tasks:
+        for arm in results.arms:
+            scores = results.scores(task, arm)
+            runs = results.runs(task, arm)
+            designs = [run.found for run in runs if run.found]
+            fitness = [one.fitness.mean for one in designs if one.fitness]
+            rows.append(
+                (
+                    task,
+                    arm,
+                    fmean(scores) if scores else None,
+                    min(scores, default=None),
+                    max(scores, default=None),
+                    fmean(fitness) if fitness else None,
+                    fmean(one.volume for one in designs) if designs else None,
+                    f"{len(scores)} of {len(runs)}",
+                    round(fmean(run.search_steps for run in runs)),
+                    fmean(run.cost.core_seconds for run in runs),
+                )
+            )
+        rows.append((task, "(human design)", results.reference(task), *[None] * 7))
+    unit = unit_of(results.objective) or "no unit"
+    return Table(
+        "found",
+        f"What each search found, trained anew: {label(results.objective)}",
+        (
+            "task",
+            "arm",
+            f"mean ({unit})",
+            f"lowest run ({unit})",
+            f"highest run ({unit})",
+            "fitness (m)",
+            "volume (m³)",
+            "runs",
+            "search steps",
+            "core seconds",
+        ),
+        tuple(rows),
+        "Each run's answer is trained anew with other seeds, and a run without one is left out. "
+        "All arms had the same budget; one that ended early has fewer search steps.",
+    )
+
+
+def normalised(results: Results, arm: str, bases: Mapping[str, float]) -> list[list[float]]:
+    """Return the scores of an arm over each task's base, task by task."""
+    return [[score / base for score in results.scores(task, arm)] for task, base in bases.items()]
+
+
+def aggregate_table(results: Results, name: str, base: str, bases: Mapping[str, float]) -> Table:
+    """Return each arm over all tasks: IQM, mean, interval, and how likely it beats the base arm.
+
+    Args:
+        results: of the study.
+        name: of the table.
+        base: the arm, or the design, that scores are divided by.
+        bases: its score on each task; a task without one, or with none above 0, is left out.
+    """
+    bases = {task: value for task, value in bases.items() if value > 0}
+    rows: list[tuple[Entry, ...]] = []
+    against = normalised(results, base, bases) if base in results.arms else []
+    for arm in results.arms:
+        scores = normalised(results, arm, bases)
+        if not scores or not all(scores):
+            rows.append((arm, *[None] * 6))
+            continue
+        interval: tuple[float | None, float | None] = (None, None)
+        if min(map(len, scores)) >= FEWEST:
+            interval = stratified_interval(interquartile_mean, scores)
+        wins = None
+        if against and all(against) and arm != base:
+            wins = probability_of_improvement(scores, against)
+        count = sum(map(len, scores))
+        rows.append((arm, interquartile_mean(scores), *interval, mean_of_all(scores), wins, count))
+    return Table(
+        name,
+        f"All tasks together, over {base}: {', '.join(bases) or 'no task has a base above 0'}",
+        ("arm", "IQM", "95 % from", "95 % to", "mean", f"P(beats {base})", "runs"),
+        tuple(rows),
+        "IQM: the mean of the middle half of all runs. The interval is a stratified bootstrap over "
+        f"the runs of each task, and takes {FEWEST} runs of each.",
+    )
+
+
+def curve_figures(results: Results) -> dict[str, Draw]:
+    """Return a figure for each task: the best so far over the budget, the mean of each arm."""
+    found: dict[str, Draw] = {}
+    for task in results.tasks:
+        lines = {arm: line for arm in results.arms if (line := _curve(results, task, arm))}
+        ends = {arm: fmean(s) for arm in lines if (s := results.scores(task, arm))}
+        if lines:
+            draw = partial(curves, lines, ends, label(results.objective))
+            found[f"curves-{task}"] = draw
+    return found
+
+
+def interval_figure(results: Results, bases: Mapping[str, float], base: str) -> dict[str, Draw]:
+    """Return a figure of each arm's IQM over `base`, with its interval if there are runs enough."""
+    bases = {task: value for task, value in bases.items() if value > 0}
+    shown: dict[str, tuple[float, tuple[float, float] | None]] = {}
+    for arm in results.arms:
+        scores = normalised(results, arm, bases)
+        if scores and all(scores):
+            enough = min(map(len, scores)) >= FEWEST
+            interval = stratified_interval(interquartile_mean, scores) if enough else None
+            shown[arm] = (interquartile_mean(scores), interval)
+    if not shown:
+        return {}
+    return {"iqm": partial(intervals, shown, f"IQM over {base}")}
+
+
+def _curve(results: Results, task: str, arm: str) -> list[tuple[float, float]]:
+    """Return (control steps, mean best so far) of the runs, from where all of them have one."""
+    runs = [points for run in results.runs(task, arm) if (points := progress(run))]
+    if not runs:
+        return []
+    begin = max(points[0].steps for points in runs)
+    end = max(points[-1].steps for points in runs)
+    line = []
+    for number in range(POINTS):
+        steps = begin + (end - begin) * number / (POINTS - 1)
+        best = [[p.best for p in points if p.steps <= steps][-1] for points in runs]
+        line.append((steps, fmean(best)))
+    return line

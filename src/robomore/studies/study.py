@@ -1,0 +1,133 @@
+"""What a study is: arms that are compared, and how their runs are told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from statistics import fmean
+from typing import TYPE_CHECKING, Any
+
+from robomore.options import with_options
+from robomore.runs import Run
+from robomore.settings import RunSettings
+from robomore.studies.table import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Draw = Callable[["Axes | None"], "Axes"]
+"""Draws one figure on the given axes, or on new ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arm:
+    """One side of a comparison.
+
+    Attributes:
+        name: in tables and folders.
+        options: of `robomore.options.with_options`, over the settings of the study.
+    """
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def settings(self, plain: RunSettings) -> RunSettings:
+        """Return the settings of this arm's runs."""
+        return with_options(plain, **self.options)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One run of a study.
+
+    Attributes:
+        task: id of the task.
+        arm: what is compared.
+        seed: of the run.
+        settings: of the run.
+        budget_steps: control steps that its search may use, the same for every arm.
+    """
+
+    task: str
+    arm: Arm
+    seed: int
+    settings: RunSettings
+    budget_steps: int
+
+    @property
+    def folder(self) -> Path:
+        """Where its run lies in the study's folder."""
+        return Path("cells") / f"{self.task}-{self.arm.name}-s{self.seed}"
+
+
+@dataclass(frozen=True)
+class Results:
+    """The runs of a study.
+
+    Attributes:
+        cells: each cell with its run, which may have found nothing.
+    """
+
+    cells: tuple[tuple[Cell, Run], ...]
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        """The tasks in their order."""
+        return tuple(dict.fromkeys(cell.task for cell, _ in self.cells))
+
+    @property
+    def arms(self) -> tuple[str, ...]:
+        """Names of the arms in their order."""
+        return tuple(dict.fromkeys(cell.arm.name for cell, _ in self.cells))
+
+    @property
+    def objective(self) -> str:
+        """What all runs compared."""
+        return self.cells[0][1].objective
+
+    def runs(self, task: str | None = None, arm: str | None = None) -> list[Run]:
+        """Return the runs of a task and of an arm, or of all of them."""
+        return [
+            run
+            for cell, run in self.cells
+            if task in (None, cell.task) and arm in (None, cell.arm.name)
+        ]
+
+    def scores(self, task: str, arm: str) -> list[float]:
+        """Return what each run's answer was worth in the final; runs without one are left out.
+
+        It is the search's own answer, trained anew, and not the champion: the champion may be one
+        of the final's other pairs, which every method gets for nothing.
+        """
+        found = (run.found.score(self.objective) for run in self.runs(task, arm) if run.found)
+        return [measured.mean for measured in found if measured]
+
+    def reference(self, task: str) -> float | None:
+        """Return what the reference design is worth in the finals of all runs of a task."""
+        measured = (run.reference.score(self.objective) for run in self.runs(task) if run.reference)
+        values = [value for one in measured if one for value in one.values]
+        return fmean(values) if values else None
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """A grid of runs.
+
+    Attributes:
+        name: on the command line.
+        summary: one line for `robomore study`.
+        arms: what is compared.
+        tables: made of the results.
+        figures: likewise, by name.
+        tasks: that are used if none are named.
+        change: of the preset's settings, before an arm's own.
+    """
+
+    name: str
+    summary: str
+    arms: tuple[Arm, ...]
+    tables: Callable[[Results], list[Table]]
+    figures: Callable[[Results], dict[str, Draw]] = lambda results: {}
+    tasks: tuple[str, ...] = ("swimmer",)
+    change: Mapping[str, Any] = field(default_factory=dict)

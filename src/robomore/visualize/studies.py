@@ -1,0 +1,67 @@
+"""Figures of studies: arms side by side, from numbers that a study has put together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from robomore.visualize.canvas import CHAMPION, axes_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def curves(
+    lines: Mapping[str, Sequence[tuple[float, float]]],
+    ends: Mapping[str, float],
+    name: str,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the best so far of each arm over the training it has spent.
+
+    Args:
+        lines: (control steps, best so far) of each arm, the mean of its runs.
+        ends: what each arm's answers were worth when they were trained anew; drawn as a point at
+            the end, since the best of many noisy numbers is too good to be true.
+        name: of the numbers, with their unit.
+        ax: to draw on; new axes by default.
+    """
+    ax = axes_for(ax)
+    for arm, line in lines.items():
+        steps, best = zip(*line, strict=True)
+        (drawn,) = ax.step(steps, best, where="post", label=arm)
+        if arm in ends:
+            ax.plot(steps[-1], ends[arm], "o", color=drawn.get_color())
+    positive = [value for line in lines.values() for _, value in line]
+    if min([*positive, *ends.values()]) > 0:
+        ax.set_yscale("log")
+    ax.set(
+        xlabel="control steps of training in the search (point: trained anew)",
+        ylabel=f"best so far: {name}",
+    )
+    ax.legend(fontsize="small")
+    return ax
+
+
+def intervals(
+    shown: Mapping[str, tuple[float, tuple[float, float] | None]],
+    name: str,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw a point for each arm, and a line for its interval.
+
+    Args:
+        shown: point and interval of each arm; no interval where there are too few runs for one.
+        name: of the numbers.
+        ax: to draw on; new axes by default.
+    """
+    ax = axes_for(ax)
+    for row, (point, interval) in enumerate(shown.values()):
+        if interval:
+            ax.plot(interval, [row, row], color=CHAMPION, alpha=0.5, linewidth=4)
+        ax.plot(point, row, "o", color=CHAMPION)
+    ax.set_yticks(range(len(shown)), list(shown))
+    ax.invert_yaxis()
+    ax.axvline(1, color="black", linewidth=0.8, linestyle="--")
+    ax.set(xlabel=name)
+    return ax

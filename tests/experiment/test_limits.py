@@ -1,0 +1,73 @@
+"""Limits on volume and density: rules for whoever proposes, and no champion beyond them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import untrained  # noqa: F401  # makes its executor known
+from robomore import run
+from robomore.envs.compile import body_facts
+from robomore.errors import InputError, InvalidMorphology, NothingTrained
+from robomore.experiment.limits import limited
+from robomore.options import with_options
+from robomore.settings import preset
+from robomore.tasks import get_task
+
+SMOKE = with_options(preset("smoke"), max_volume=0.02)
+HALF = 0.05
+"""Less than half of the reference swimmer's volume, in m³."""
+
+
+@pytest.mark.parametrize("method", ["robomore", "genetic"])
+def test_no_design_of_a_search_is_larger_than_the_limit(method: str, tmp_path: Path) -> None:
+    settings = with_options(preset("smoke"), method=method, max_volume=HALF)
+    if method == "robomore":
+        settings = with_options(preset("smoke"), max_volume=HALF)
+    found = run("swimmer", settings, executor="untrained", out=tmp_path / "run")
+    assert found.searched
+    assert all(r.evaluation.volume <= HALF for r in found.searched if r.evaluation.ok)
+    assert found.reference.volume > HALF, "the final still trains the reference beside it"
+    assert found.champion.volume <= HALF
+
+
+def test_a_method_that_has_only_the_reference_says_that_it_is_too_large(tmp_path: Path) -> None:
+    settings = with_options(preset("smoke"), method="reference", max_volume=HALF)
+    with pytest.raises(NothingTrained, match=r"a volume of 0\.1068 m\^3 is above the limit"):
+        run("swimmer", settings, executor="untrained", out=tmp_path / "run")
+
+
+def test_density_is_known_with_and_without_compiling() -> None:
+    cheetah = get_task("half-cheetah")
+    facts = body_facts(cheetah, cheetah.reference)
+    settings = replace(SMOKE, max_volume=None, max_density=0.9 * facts["density"])
+    searched = limited(cheetah, settings)
+    with pytest.raises(InvalidMorphology, match=r"a density of 660\.9 kg/m\^3 is above the limit"):
+        searched.check(cheetah.reference)
+    thicker = {**cheetah.named(cheetah.reference), "torso_radius": 0.1}
+    assert searched.check(thicker)
+    # Mixed densities, so that nothing short of compiling tells.
+    swimmer = get_task("swimmer")
+    front = swimmer.template.index("front_radius")
+    geom = swimmer.template.rindex("<geom", 0, front)
+    mixed = swimmer.template[: geom + 5] + ' density="3000"' + swimmer.template[geom + 5 :]
+    heavy = replace(swimmer, template=mixed)
+    density = body_facts(heavy, swimmer.reference)["density"]
+    assert density > 1001
+    within = replace(settings, max_density=1.01 * density)
+    assert limited(heavy, within).check(swimmer.reference)
+    front_heavy = {**swimmer.named(swimmer.reference), "front_radius": 0.2}
+    with pytest.raises(InvalidMorphology, match="a density of"):
+        limited(heavy, within).check(front_heavy)
+
+
+def test_limits_that_nothing_keeps_and_jumps_that_transport_nothing_are_refused(
+    tmp_path: Path,
+) -> None:
+    with pytest.raises(InputError, match="give larger limits"):
+        run("swimmer", with_options(SMOKE, max_volume=1e-7), out=tmp_path / "a")
+    with pytest.raises(InputError, match="transports nothing"):
+        run("ant-jump", with_options(SMOKE, objective="transport-economy"), out=tmp_path / "b")
+    assert not list(tmp_path.iterdir())

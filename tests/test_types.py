@@ -1,0 +1,38 @@
+"""What an evaluation is compared by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from robomore.types import Design, Evaluation, Job, Morphology, Reward, Status, TrainerSettings
+
+JOB = Job("ant", Design(Morphology((1.0,)), Reward("")), TrainerSettings(), 1, 1, 0)
+MOVED = Evaluation(
+    "key",
+    JOB,
+    Status.OK,
+    fitness=10.0,
+    volume=0.5,
+    efficiency=20.0,
+    body={"mass": 2.0},
+    behaviour={"forward_distance_m": 10.0, "energy_j": 98.1},
+)
+
+
+def test_transport_economy_is_one_over_the_cost_of_transport() -> None:
+    assert MOVED.cost_of_transport == pytest.approx(0.5)
+    assert MOVED.score("transport-economy") == pytest.approx(2.0)
+    assert (MOVED.score(), MOVED.score("fitness"), MOVED.energy) == (20.0, 10.0, 98.1)
+
+
+def test_who_only_falls_over_transports_nothing() -> None:
+    fell = replace(MOVED, behaviour={"forward_distance_m": 0.4, "energy_j": 1e-6})
+    assert fell.cost_of_transport is None
+    assert fell.score("transport-economy") == 0.0
+
+
+def test_what_was_not_measured_is_not_compared() -> None:
+    assert replace(MOVED, behaviour={}).score("transport-economy") is None
+    assert replace(MOVED, status=Status.UNSTABLE).score("transport-economy") is None
