@@ -210,6 +210,7 @@ class _Record:
             },
             mean=whole.mean,
             spread=whole.spread,
+            usual=float(np.median(np.abs(self.rewards))) if self.rewards else 0.0,
         )
 
 
