@@ -60,6 +60,7 @@ class Course:
         every: control steps between two measurements.
         reward: source text; empty for the reference reward.
         until: fitness in m that ends it early.
+        label: what tells it apart from others, if the rest does not.
     """
 
     robot: str
@@ -71,6 +72,7 @@ class Course:
     every: int
     reward: str = ""
     until: float = math.inf
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,7 @@ class Mark:
         seconds: core-seconds of training, neither compiling nor measuring.
         fitness: in m, over episodes of their own.
         longest: mean length of those episodes, in s.
+        label: of the course.
     """
 
     robot: str
@@ -92,6 +95,7 @@ class Mark:
     seconds: float
     fitness: float
     longest: float
+    label: str = ""
 
 
 def parameters_of(robot: str, morphology: str) -> tuple[float, ...]:
@@ -150,6 +154,7 @@ def follow(course: Course) -> list[Mark]:
                     seconds,
                     found.fitness,
                     length,
+                    course.label,
                 )
             )
             if found.fitness >= course.until:

@@ -15,7 +15,7 @@ SOURCE = Path(__file__).parents[1] / "src" / "robomore"
 MODULES = sorted(SOURCE.rglob("*.py"))
 
 LAYERS = (
-    {"errors", "text"},
+    {"errors", "post_import", "text"},
     {"plain_files", "types"},
     {"identity", "plan", "registry", "settings", "statistics"},
     {"events", "options"},

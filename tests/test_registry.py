@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 import logging
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import pytest
 
@@ -69,3 +70,26 @@ def test_names_that_are_taken_and_things_of_another_kind_are_refused(
             found.register(name, 3)
     with pytest.raises(InputError, match="is a str, no number"):
         found.register("three", "3")  # type: ignore[arg-type]
+
+
+def test_a_package_that_announces_nonsense_hides_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    for name, text in (("fine", "[numbers]\nfine = errno:EIO\n"), ("bad", "[numbers]\nbad\n")):
+        about = tmp_path / f"{name}-0.1.dist-info"
+        about.mkdir()
+        (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.1\n")
+        (about / "entry_points.txt").write_text(text)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    found = Registry("number", "numbers", {"one": 1}, fault)
+    assert dict(found.items()) == {"one": 1, "fine": 5}
+    assert "the package bad cannot be read" in caplog.text
+
+
+def test_a_plugin_that_ends_the_process_is_a_warning_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "own_exits.py").write_text("raise SystemExit(3)")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert dict(numbers(monkeypatch, bad="own_exits:X", fine="errno:EIO").items())["fine"] == 5
+    assert "SystemExit" in caplog.text

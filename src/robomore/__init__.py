@@ -16,8 +16,9 @@ a `Run`.
 from __future__ import annotations
 
 import importlib
-import sys
 from typing import TYPE_CHECKING, Any
+
+from robomore.post_import import after_import
 
 if TYPE_CHECKING:
     from robomore.experiment import evaluate, run
@@ -76,6 +77,5 @@ def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
 
 
-if "gymnasium" in sys.modules:
-    # Who has imported Gymnasium already may want `gymnasium.make("robomore/Ant-v0")`.
-    importlib.import_module("robomore.envs.registration")
+# `gymnasium.make("robomore/Ant-v0")` works in whichever order both are imported.
+after_import("gymnasium", "robomore.envs.registration")

@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Literal
 
-from robomore.errors import RunFolderError
+from robomore.errors import InputError, RunFolderError
 
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC
 _MAKE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -43,6 +43,15 @@ def read_plain(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
 def write_plain(path: Path, content: bytes) -> None:
     """Write a file, whole or not at all; see `PlainFolder.write`."""
     PlainFolder(path.parent).write(path.name, content)
+
+
+def cannot_write(path: Path, error: OSError, remedy: str) -> InputError:
+    """Return what is said where `path` cannot be written: the reason and `remedy`."""
+    if isinstance(error, FileNotFoundError) and not path.parent.is_dir():
+        return InputError(
+            f"cannot write {path}: there is no folder {path.parent}; make it, or {remedy}"
+        )
+    return InputError(f"cannot write {path} ({error.strerror or error}); {remedy}")
 
 
 class PlainFolder:

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import importlib
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from functools import cached_property
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, distributions, entry_points
 from typing import Generic, TypeVar
 
 from robomore.errors import InputError
@@ -106,7 +106,7 @@ class Registry(Generic[T]):
     @cached_property
     def _plugins(self) -> dict[str, EntryPoint]:
         found: dict[str, EntryPoint] = {}
-        for entry in entry_points(group=self.group):
+        for entry in plugin_entries(self.group):
             if entry.name in self._items or entry.name in found:
                 log.warning(
                     "the %s %s is left out: its name is taken; rename it", self.kind, _origin(entry)
@@ -128,7 +128,7 @@ class Registry(Generic[T]):
         entry = self._plugins[name]
         try:
             loaded: T = entry.load()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise InputError(
                 f"the {self.kind} {_origin(entry)} does not load: {type(error).__name__}: {error}; "
                 "mend that package, or remove it"
@@ -136,6 +136,25 @@ class Registry(Generic[T]):
         if said := self._fault(name, loaded):
             raise InputError(f"the {self.kind} {_origin(entry)} {said}; mend that package")
         return loaded
+
+
+def plugin_entries(group: str) -> Iterable[EntryPoint]:
+    """Return what installed packages announce in an entry-point group.
+
+    A package whose announcement cannot be read is one warning, and all others are found.
+    """
+    try:
+        return entry_points(group=group)
+    except Exception:  # noqa: BLE001  # it stands in somebody else's file
+        found: dict[str, EntryPoint] = {}
+        for package in distributions():
+            try:
+                for entry in package.entry_points.select(group=group):
+                    found.setdefault(entry.name, entry)
+            except Exception as error:  # noqa: BLE001
+                name = package.metadata["Name"]
+                log.warning("the entry points of the package %s cannot be read: %s", name, error)
+        return found.values()
 
 
 def _origin(entry: EntryPoint) -> str:

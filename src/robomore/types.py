@@ -38,7 +38,9 @@ class Reward:
     idea: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "source", encodable(self.source))
+        # Some editors and models put a byte order mark first.
+        source = encodable(self.source).removeprefix("\ufeff")
+        object.__setattr__(self, "source", source)
         object.__setattr__(self, "idea", encodable(self.idea))
 
 

@@ -18,6 +18,7 @@ from robomore.cli.llm import ModelOptions, language_model
 from robomore.designers import LanguageModel
 from robomore.designers.llm.designer import LLMSettings
 from robomore.designers.llm.prompting import KINDS, render_prompt
+from robomore.experiment.training_facts import training_facts
 from robomore.llm import Exchange, Sampling, connect
 from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import RetryPolicy
@@ -263,7 +264,7 @@ def test_another_trainer_reuses_the_proposals_over_the_command_line(
 
     # Other numbers make other prompts, so by content the two runs part in the fine stage.
     status, _, err = replay(tmp_path / "content")
-    assert status == 2 and "another prompt for fine morphology 1.1" in err
+    assert status == 2 and "another prompt for coarse morphology 1" in err
     assert "replay it by slot" in err and err.count("\n") == 1
     status, out, err = replay(tmp_path / "slot", "--by", "slot")
     assert status == 0, err
@@ -371,7 +372,8 @@ def test_the_command_in_a_report_names_the_model_again() -> None:
 def test_prompts_are_printed_as_they_are_sent(robomore_: Command, kind: str) -> None:
     status, out, _ = robomore_("prompt", "ant", kind)
     assert status == 0
-    for message in render_prompt(get_task("ant"), kind):
+    facts = training_facts(preset("quick"), get_task("ant"))
+    for message in render_prompt(get_task("ant"), kind, training=facts):
         assert f"--- {message.role} ---\n{message.text}\n" in out
     assert ("--- schema ---" in out) == (kind == "morphology")
 
@@ -415,7 +417,7 @@ def test_a_model_is_told_whose_training_was_cut_short(robomore_: Command, tmp_pa
             *("--method-option", "screening=halving", "--quiet", "--out", out),
         )
     sent = script.seen[-1]["messages"]
-    assert "after only 410 of 2,048 training steps" in sent[1]["content"]
+    assert "| 20 % |" in sent[1]["content"]
     assert "A full training takes 2,048 steps" in sent[1]["content"]
     assert sent[1]["content"].count("## Morphology") == 2
     # Screening compares bodies under the reference reward, which is nobody's business.

@@ -28,10 +28,41 @@ def test_check_reward_names_file_line_and_remedy(
     assert f"{file}:1: error: cannot import `os`" in capsys.readouterr().out
 
 
-def test_a_sound_reward_passes(tmp_path: Path) -> None:
+def test_a_sound_reward_passes_with_its_statistics(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "reward.py"
-    file.write_text("def _get_rew(self, x_velocity, action):\n    return x_velocity, {}\n")
-    assert main(["check-reward", "ant", str(file)]) == 0
+    file.write_text(
+        "def _get_rew(self, x_velocity, action):\n    effort = float(np.square(action).sum())\n"
+        "    return x_velocity - effort, {'speed': x_velocity, 'effort': -effort, 'spin': 0.0}\n"
+    )
+    assert main(["check-reward", "swimmer", str(file)]) == 0
+    told = capsys.readouterr().out
+    assert f"{file}:1: warning: 'spin' was 0 in all" in told and "one call takes" in told
+    table = told.splitlines()[2:6]
+    assert [line.split()[0] for line in table] == ["(the", "speed", "effort", "spin"]
+    assert main(["check-reward", "swimmer", str(file), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [found["severity"] for found in told["findings"]] == ["warning"]
+    assert set(told["observed"]["terms"]) == {"speed", "effort", "spin"}
+
+
+@pytest.mark.parametrize(
+    ("lines", "line", "said"),
+    [
+        (["", "return float(np.sqare(action).sum()), {}"], 3, "no attribute 'sqare'"),
+        (["return self.spec.max_episode_steps, {}"], 2, "`self.spec` is None"),
+    ],
+)
+def test_what_only_a_try_shows_is_an_error_with_its_line(
+    lines: list[str], line: int, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "reward.py"
+    body = "\n".join(f"    {one}" for one in lines)
+    file.write_text(f"def _get_rew(self, x_velocity, action):\n{body}\n")
+    assert main(["check-reward", "swimmer", str(file)]) == 1
+    told = capsys.readouterr().out
+    assert f"{file}:{line}: error: " in told and said in told
 
 
 def test_a_missing_file_is_misuse(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pytest
 
+from robomore.identity import content_key
 from robomore.tasks.registry import TASKS
 from robomore.tasks.task import Task
 from robomore.tasks.unit_space import UnitSpace
@@ -44,7 +45,7 @@ def evaluation(
 ) -> Evaluation:
     """Return an evaluation with `fitness`, or a failure with `diagnosis`."""
     job = Job(task.id, Design(morphology, reward), TrainerSettings(), 1000, 1, 0)
-    key = f"{morphology.parameters}{reward.source}"
+    key = content_key(morphology.parameters, reward.source)
     if status is not Status.OK:
         return Evaluation(key, job, status, diagnosis)
     volume = task.volume(morphology.parameters)

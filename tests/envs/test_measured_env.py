@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from robomore.envs.measured_env import MeasuredEnv, stride
+from robomore.envs.measured_env import MeasuredEnv, Motion, angle_between, stride
 from robomore.envs.vector_env import VectorEnv
 from robomore.tasks import get_task
 
@@ -81,3 +81,48 @@ def test_stride_finds_frequency_and_amplitude() -> None:
     assert amplitude == pytest.approx(0.2, rel=0.01)
     assert stride(angles[:5], 0.05) == (0.0, 0.0)
     assert stride(np.full((100, 2), 0.3), 0.05) == pytest.approx((0.0, 0.0))
+
+
+def ended(task: str, qpos: dict[int, float], qvel: float = 0.0, steps: int = 1) -> Motion:
+    """Return the motion of an episode whose robot is put somewhere before the last step."""
+    chosen = replace(get_task(task), episode_steps=steps)
+    env = MeasuredEnv(chosen, chosen.reference, 1)
+    env.reset_one(0, 0)
+    env.data[0].qvel[:] = qvel
+    for index, value in qpos.items():
+        env.data[0].qpos[index] = value
+    actions = np.full((1, env.action_size), -0.5)
+    actions[0, 0] = 1.0
+    for _ in range(steps):
+        env.step(actions)
+    return env.motions[0]
+
+
+@pytest.mark.parametrize(
+    ("task", "qpos", "qvel", "fall"),
+    [
+        ("ant", {2: 3.0}, 0.0, "too_high"),
+        ("hopper", {1: 0.2}, 0.0, "too_low"),
+        ("hopper", {2: 2.5}, 0.0, "tilted"),
+        ("hopper", {1: 9.0}, 120.0, "unhealthy"),
+        ("ant", {}, 1e9, "diverged"),
+        ("ant", {}, 0.0, ""),
+        ("half-cheetah", {1: -3.0}, 0.0, ""),
+    ],
+)
+def test_the_reason_of_an_early_end_is_found(
+    task: str, qpos: dict[int, float], qvel: float, fall: str
+) -> None:
+    assert ended(task, qpos, qvel).fall == fall
+
+
+def test_drift_turn_and_saturation_are_measured() -> None:
+    quarter = {3: np.cos(np.pi / 4), 4: 0.0, 5: 0.0, 6: np.sin(np.pi / 4)}
+    motion = ended("ant", {1: -2.0, **quarter})
+    assert motion.drift == pytest.approx(2, abs=0.2)
+    assert motion.turn == pytest.approx(np.pi / 2, abs=0.3)
+    assert motion.saturation == pytest.approx(1 / 8)
+    planar = ended("hopper", {}, steps=3)
+    assert planar.drift is None and planar.turn is None
+    assert planar.saturation == pytest.approx(1 / 3)
+    assert angle_between(3.0, -3.0) == pytest.approx(2 * np.pi - 6)

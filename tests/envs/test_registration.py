@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
+import os
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -12,8 +15,9 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+from robomore.envs import opengl
 from robomore.envs.registration import ENVIRONMENTS, EPISODE_STEPS, register
-from robomore.errors import InvalidMorphology, InvalidReward
+from robomore.errors import InputError, InvalidMorphology, InvalidReward
 from robomore.tasks import TASKS
 
 
@@ -75,6 +79,48 @@ def test_mistakes_are_named() -> None:
         gymnasium.make("robomore/Ant-v0", reward="x = 1")
 
 
+@pytest.mark.parametrize("order", ["gymnasium, robomore", "robomore, gymnasium"])
+def test_tasks_are_known_in_whichever_order_both_are_imported(order: str, tmp_path: Path) -> None:
+    about = tmp_path / "own-0.1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: own\nVersion: 0.1\n")
+    (about / "entry_points.txt").write_text("[robomore.tasks]\nhill-dog = own_hill_dog:TASK\n")
+    (tmp_path / "own_hill_dog.py").write_text(
+        "import dataclasses\n"
+        "from robomore.tasks.swimmer import SWIMMER\n"
+        "TASK = dataclasses.replace(SWIMMER, id='hill-dog', episode_steps=2)\n"
+    )
+    code = (
+        f"import sys, {order}\n"
+        "assert 'robomore/Ant-v0' in gymnasium.registry\n"
+        "assert 'own_hill_dog' not in sys.modules and 'mujoco' not in sys.modules\n"
+        "env = gymnasium.make('robomore/HillDog-v0')\n"
+        "env.reset(seed=0)\n"
+        "print([env.step(env.action_space.sample())[3] for _ in range(2)])\n"
+    )
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[False, True]\n"
+
+
+def test_a_picture_without_opengl_is_one_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL"):
+        monkeypatch.setenv(name, "")
+    monkeypatch.setattr(sys, "platform", "linux")
+    made = gymnasium.make("robomore/Swimmer-v0", render_mode="rgb_array")
+    made.reset(seed=0)
+    opengl.ensure_opengl.cache_clear()
+    monkeypatch.setattr(opengl, "_works", lambda platform: False)
+    with pytest.raises(InputError, match="no screen, and neither EGL nor OSMesa works"):
+        made.render()
+    monkeypatch.setattr(opengl, "_works", lambda platform: platform == "osmesa")
+    opengl.ensure_opengl()
+    assert os.environ["MUJOCO_GL"] == "osmesa"
+    opengl.ensure_opengl.cache_clear()
+
+
 def test_importing_the_module_is_cheap_and_enough() -> None:
     code = (
         "import sys, gymnasium, robomore.envs.registration\n"
@@ -82,3 +128,17 @@ def test_importing_the_module_is_cheap_and_enough() -> None:
         "gymnasium.make('robomore/Swimmer-v0')\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+def test_a_reward_reads_what_a_step_leaves_out_and_counts_steps() -> None:
+    text = (
+        "def _get_rew(self, x_velocity, action):\n"
+        "    momentum = float(self.model.body_mass[1:].sum() * self.data.subtree_linvel[1, 0])\n"
+        "    return momentum, {'energy': self.data.energy[1], 'steps': self.training_steps}\n"
+    )
+    env = gymnasium.make("robomore/HalfCheetah-v0", reward=text)
+    env.reset(seed=0)
+    given = [env.step(np.ones(6))[1] for _ in range(5)]
+    again = copy.deepcopy(env)
+    assert np.abs(given).min() > 0 and env.unwrapped.data.energy[1] > 0
+    assert env.unwrapped.training_steps == 5 and again.unwrapped.training_steps == 0

@@ -6,11 +6,15 @@ That every place where state can lie survives is tested with `rewards/test_conti
 from __future__ import annotations
 
 import json
-from collections import deque
+import math
+from collections import OrderedDict, deque
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from robomore.envs.reward_objects import FixedObjects
 from robomore.envs.reward_program import RewardProgram
@@ -51,6 +55,41 @@ def test_values_come_back_exactly() -> None:
     loaded = read(written(**kept))
     assert repr(loaded) == repr(dict(sorted(kept.items())))
     assert loaded["array"].flags.writeable and loaded["columns"].flags.f_contiguous
+
+
+ATOMS = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.floats(),
+    st.text(),
+    st.binary(),
+    st.complex_numbers(),
+    st.sampled_from([np.float32(0.5), np.int8(3), np.bool_(True), np.datetime64(5, "s"), math.sin]),
+)
+KEYS = st.one_of(st.none(), st.booleans(), st.integers(), st.text(), st.tuples(st.integers()))
+VALUES = st.recursive(
+    ATOMS,
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4),
+        st.lists(inner, max_size=4).map(tuple),
+        st.lists(inner, max_size=4).map(lambda items: deque(items, maxlen=9)),
+        st.dictionaries(KEYS, inner, max_size=4),
+        st.dictionaries(KEYS, inner, max_size=4).map(OrderedDict),
+        st.lists(st.floats(), max_size=4).map(np.array),
+        st.builds(lambda value: SimpleNamespace(it=value), inner),
+    ),
+    max_leaves=20,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(VALUES)
+def test_any_value_comes_back(value: Any) -> None:
+    text = written(it=value)
+    back = read(text)["it"]
+    assert repr(back) == repr(value)
+    assert written(it=back) == text
 
 
 def test_what_is_shared_is_shared_again() -> None:

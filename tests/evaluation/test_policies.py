@@ -46,6 +46,8 @@ def evaluated(
 ) -> Callable[..., tuple[Evaluation, bytes]]:
     """Evaluate a training that says ok and leaves the given files."""
 
+    monkeypatch.setattr("robomore.evaluation.measure._CHOICE_EPISODES", 1)
+
     def evaluate(*left: bytes) -> tuple[Evaluation, bytes]:
         def leaves(function: str, payload: bytes, scratch: Path, *_: object, **__: object) -> Any:
             for index, content in enumerate(left):

@@ -221,7 +221,9 @@ def test_a_failed_cell_says_why_and_a_missing_one_that_it_is_missing(tmp_path: P
     (grid,) = grids(load_run(tmp_path))
     drawn = heatmap(grid, "efficiency")
     assert "it went away" in drawn
-    assert drawn.count("not measured yet") == 11
+    assert drawn.count("not measured yet</div>") == 11
+    # Said to a finger and to the keyboard too, which cannot hover.
+    assert drawn.count('tabindex="0"') == drawn.count('class="tip"') == 12
 
 
 def test_cells_that_screening_cut_are_pale_and_say_so(tmp_path: Path) -> None:

@@ -384,3 +384,62 @@ def held(holder: str, content: str) -> str:
     return reward(
         f"{_HEADER.strip()}\n{textwrap.indent(use, '    ')}\n    return float(k)\n{setup}", body
     )
+
+
+CONSTANTS = reward(
+    """
+    import abc, collections, dataclasses, enum, functools, itertools, math, operator, statistics
+    import numpy.linalg as la
+    from collections import ChainMap, UserDict, namedtuple
+    from typing import Any, Callable, Dict, Final, Generic, NamedTuple, Optional, Protocol, TypeVar
+    from numpy.typing import NDArray
+    T = TypeVar("T")
+    Terms = Dict[str, float]
+    Pair, Maybe, Vector, Either = dict[str, float], Optional[float], NDArray[np.float64], int | None
+    norm, add, last, sine, out = la.norm, np.add.reduce, operator.itemgetter(-1), math.sin, print
+    INDEX, EVERY, DTYPE, PI = slice(1, None), range(3), np.dtype(np.float32), np.pi
+    NAMES, IDS = frozenset("abc"), {1: "a", (2, 3): {"b": [None, ..., True]}}
+    _MISSING = object()
+    class Shape(Protocol):
+        def size(self) -> float: ...
+    class Base(abc.ABC, Generic[T]):
+        @abc.abstractmethod
+        def value(self): ...
+    class Own(Base[float]):
+        limit: Final = 3.0
+        def value(self):
+            return self.limit
+    class Gait(enum.IntFlag):
+        LEFT = 1
+        RIGHT = 2
+    @functools.total_ordering
+    @dataclasses.dataclass(frozen=True, eq=True)
+    class Weights:
+        a: float = 1.0
+        b: tuple = (1.0, 2.0)
+        def __lt__(self, other):
+            return self.a < other.a
+    class Wrong(Exception):
+        pass
+    class Meta(type):
+        made = []
+        def make(cls):
+            cls.made.append(1)
+            return cls()
+    class Made(metaclass=Meta):
+        pass
+    class Field:
+        def __get__(self, owner, kind=None):
+            return 2.0
+    class Described:
+        f = Field()
+    own, weights, chain, both = Own(), Weights(), ChainMap({"a": 1.0}), Gait.LEFT | Gait.RIGHT
+    described, table = Described(), UserDict(a=2.0)
+    """,
+    """
+    Made.make()
+    k = own.value() * v + weights.b[1] + chain["a"] + float(both) + described.f + len(Meta.made)
+    k += sum(itertools.accumulate(EVERY)) + statistics.fmean([v, k]) + table["a"] + norm(action)
+    """,
+)
+"""A reward with everything at its top level that is usual there."""

@@ -75,6 +75,11 @@ def test_reference_rewards_pass(task: str) -> None:
         ("x = getattr(self, 'spec', 1)\nreturn 0.0, {}", 2, "`self.spec` is None"),
         ("return self.training_progress, {}", 2, "`self.training_steps`"),
         ("x = getattr(self, 'training_progress', 0)\nreturn 0.0, {}", 2, "`self.training_steps`"),
+        (
+            "from collections import Counter as C\nC.memory = 1\nreturn 0.0, {}",
+            3,
+            "changes `C.memory` for everybody",
+        ),
         ("import functools\nfunctools.memory = 1\nreturn 0.0, {}", 3, "changes `functools.memory`"),
         ("while True:\n    x = 1\nreturn 0.0, {}", 2, "never ends"),
         ("self.data.qpos[0] = 1.0\nreturn 0.0, {}", 2, "writes to `self.data`"),

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from keeping import CONTENTS, HOLDERS, KEPT, REFUSED, held
+from keeping import CONSTANTS, CONTENTS, HOLDERS, KEPT, REFUSED, held
 
 from robomore.envs.reward_runner import RewardRunner
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidReward, RewardFailed
+from robomore.rewards.check import check_reward
 from robomore.rewards.continuation import check_continuation
 from robomore.rewards.load import load_reward
 from robomore.tasks import get_task
@@ -140,3 +141,10 @@ def test_a_whole_simulation_goes_on_as_if_it_had_not_stopped() -> None:
             saved = paused.state()
             paused = VectorEnv(task, task.reference, 2, load_reward(source))
             paused.restore(saved)
+
+
+def test_what_is_usual_at_the_top_level_is_no_obstacle() -> None:
+    assert check_reward(CONSTANTS) == []
+    expected = Replay(CONSTANTS).rewards(range(STEPS))
+    assert continued(CONSTANTS)[0] == expected
+    check_continuation(TASK, TASK.reference, load_reward(CONSTANTS))

@@ -4,9 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
+import numpy as np
 import pytest
 
-from robomore.rewards.dry_run import NUM_ENVS, RANDOM_MORPHOLOGIES, STEPS, DryRun
+from robomore.errors import RewardFailed
+from robomore.rewards.dry_run import (
+    NUM_ENVS,
+    RANDOM_MORPHOLOGIES,
+    STEPS,
+    DryRun,
+    DryRunRequest,
+    observe,
+)
 from robomore.rewards.dry_run_findings import Observed, Term, findings, morphologies
 from robomore.tasks import TASKS, get_task
 
@@ -52,15 +62,20 @@ def test_a_bonus_that_never_changes_is_noted_and_no_rival() -> None:
             "'spin', 'drift' were 0 in all 300 steps",
         ),
         (
-            {"low": -3e79, "terms": {**PLAIN, "far": Term(1e78, 0, 0.0, -3e79, 1.0)}},
+            {"low": -3e179, "terms": {**PLAIN, "far": Term(1e178, 0, 0.0, -3e179, 1.0)}},
             "error",
-            "the reward was -3e+79 (its largest term: 'far', -3e+79), which is too large",
+            "the reward was -3e+179 (its largest term: 'far', -3e+179), which is too large",
         ),
-        ({"low": 0.0, "high": 1e-12}, "error", "1e-12 (its largest term: 'speed', 3) at most"),
+        ({"low": 0.0, "high": 1e-120}, "error", "1e-120 (its largest term: 'speed', 3) at most"),
         (
-            {"low": 1e9, "high": 1e9 + 1},
+            {"low": 1e12, "high": 1e12 + 1},
             "error",
             "and differed by only 1 in 300 steps: too few digits",
+        ),
+        (
+            {"high": 1e80, "usual": 0.3, "terms": {**PLAIN, "e": Term(1e3, 0, 0.0, 0.0, 1e80)}},
+            "warning",
+            "1e+80 (its largest term: 'e', 1e+80) in one state and 0.3 in a usual one",
         ),
         (
             {"terms": {"speed": Term(400.0, 0, 0.0, -1.0, 1.0), "effort": PLAIN["effort"]}},
@@ -120,3 +135,60 @@ def test_every_call_of_a_good_reward_is_seen(tmp_path: Path) -> None:
     )
     (found,) = DryRun(get_task("swimmer"), tmp_path)(source)
     assert found.severity == "warning" and "'speed' dominates" in found.message
+
+
+def tried(source: str) -> Observed:
+    """Return what a dry run observes, in this process."""
+    task = get_task("swimmer")
+    request = DryRunRequest(task.id, (task.reference,), source)
+    reply = observe(msgspec.json.encode(request), Path(), lambda done: None)
+    return msgspec.json.decode(reply, type=Observed)
+
+
+@pytest.mark.filterwarnings("ignore:.*encountered in (log|exp)")
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (["return self.data.xpos[self.torso_id][0], {}"], "torso_id"),
+        (["return self.data.qpos[22], {}"], "index 22 is out of bounds"),
+        (["x = math.log(x_velocity)", "return x, {'x': x}"], "math domain error (line 2"),
+        (["x = float(np.log(x_velocity))", "return x, {'x': x}"], "nan (the term 'x' was nan)"),
+        (["x = float(np.exp(1e4 * x_velocity))", "return x, {'x': x}"], "'x' was inf"),
+        (["return x_velocity"], "must return (reward, terms)"),
+        (["return x_velocity, {'a\\nb': x_velocity}"], "'a\\nb' is no name of a term"),
+        (["return x_velocity, {'a\\x1b[2J': x_velocity}"], "is no name of a term"),
+        (["return x_velocity - self.data.energy[1], {}"], "cannot read `energy`"),
+        (["return self.action_space.sample()[0], {}"], "no attribute 'sample'"),
+        (["self.metadata['x'] = 1", "return x_velocity, {}"], "does not support item assignment"),
+    ],
+)
+def test_what_only_a_try_shows(lines: list[str], said: str) -> None:
+    with pytest.raises(RewardFailed) as failed:
+        tried(program(*lines))
+    assert said in str(failed.value)
+
+
+def test_terms_of_any_finite_size_have_statistics() -> None:
+    observed = tried(program("return x_velocity, {'v': x_velocity, 'huge': 1e307 * x_velocity}"))
+    term = observed.terms["huge"]
+    assert np.isfinite([term.spread, term.mean, term.low, term.high]).all() and term.spread > 1e305
+    assert observed.calls == NUM_ENVS * STEPS
+
+
+@pytest.mark.parametrize("scale", ["1e120", "1e-120", "1e300"])
+def test_a_size_that_makes_no_sense_is_an_error_with_term_and_value(scale: str) -> None:
+    seen = tried(program(f"x = {scale} * x_velocity", "return x, {'x': x, 'v': x_velocity}"))
+    found, *_ = findings(seen, 1)
+    term, value = ("'v'", "e-") if scale == "1e-120" else ("'x'", scale[1:].replace("e", "e+"))
+    assert found.severity == "error" and term in found.message and value in found.message
+
+
+@pytest.mark.parametrize("scale", ["1e80", "1e-12", "1e12"])
+def test_a_size_that_training_normalises_is_no_fault(scale: str) -> None:
+    seen = tried(program(f"x = {scale} * x_velocity", "return x, {'x': x}"))
+    assert findings(seen, 1) == []
+
+
+def test_each_simulation_has_a_reward_of_its_own() -> None:
+    seen = tried("N = []\n" + program("N.append(1)", "return x_velocity, {'n': len(N)}"))
+    assert seen.terms["n"].high == STEPS

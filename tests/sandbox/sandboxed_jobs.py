@@ -154,3 +154,11 @@ def fill(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
             (Path(folder) / name).write_bytes(bytes(2**20))
     time.sleep(30)
     return b""
+
+
+def import_and_read(payload: bytes, scratch: Path, report: Report) -> bytes:
+    """Import a task of somebody's own, and read a file of its folder."""
+    import own_servo_dog  # type: ignore[import-not-found]
+
+    Path(payload.decode()).read_bytes()
+    return str(own_servo_dog.TASK).encode()

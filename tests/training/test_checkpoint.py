@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 from probes import SAC_SETTINGS, SB3_SETTINGS, SETTINGS
 
+from robomore.envs.vector_env import VectorEnv
+from robomore.rewards.load import load_reward
+from robomore.tasks import get_task
 from robomore.testing.probe_env import ProbeEnv
 from robomore.testing.trainers import check_trainer
 from robomore.testing.trainers import same_result as same
@@ -76,6 +79,52 @@ def test_a_continued_training_is_an_uninterrupted_one(
         left, right = getattr(one, part), getattr(other, part)
         assert left.keys() == right.keys()
         assert all(np.array_equal(left[name], right[name]) for name in left)
+
+
+KEEPING = """
+from collections import deque
+HISTORY = []
+class Ema:
+    value = 0.0
+    def update(self, v):
+        self.value += 0.1 * (v - self.value)
+        return self.value
+def make():
+    queue, n = deque(maxlen=4), 0
+    def smooth(v):
+        nonlocal n
+        n += 1
+        queue.append(v)
+        return sum(queue) / n
+    return smooth
+smooth, ema = make(), Ema()
+def _get_rew(self, x_velocity, action, memory={"last": 0.0}):
+    v = float(x_velocity)
+    HISTORY.append(v)
+    jerk, memory["last"] = v - memory["last"], v
+    _get_rew.most = max(getattr(_get_rew, "most", 0.0), v)
+    self.own = getattr(self, "own", Ema())
+    kept = smooth(v) + ema.update(v) + self.own.update(v) + _get_rew.most
+    late = 1e-3 * self.training_steps
+    return v + kept - jerk + sum(HISTORY[-5:]) / len(HISTORY) + late, {"kept": kept}
+"""
+"""A reward that keeps something in every place that comes to mind."""
+
+
+@pytest.mark.exhaustive
+def test_a_continued_training_has_the_same_policy_whatever_the_reward_keeps(
+    tmp_path: Path,
+) -> None:
+    task, trainer = get_task("swimmer"), CrossQ(SETTINGS)
+
+    def train(steps: int, checkpoint: Path | None = None) -> TrainingResult:
+        reward = load_reward(KEEPING)
+        env = VectorEnv(task, task.reference, SETTINGS.num_envs, reward, episode_seconds=1.0)
+        return trainer.train(env, steps, 3, checkpoint)
+
+    whole = train(320)
+    train(192, tmp_path)
+    assert same(train(320, tmp_path), whole)
 
 
 def test_a_finished_training_is_not_done_again(train: Training, tmp_path: Path) -> None:

@@ -8,9 +8,10 @@ import sys
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from os.path import expanduser
 from types import FrameType
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from robomore import __version__
 from robomore.cli.output import tell
@@ -30,7 +31,7 @@ COMMANDS = {
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
     "check-reward": (
         "robomore.cli.sandbox:check_reward",
-        "Check a reward for errors without running it.",
+        "Check a reward: read it, and try it out in the sandbox.",
     ),
     "doctor": ("robomore.cli.sandbox:doctor", "Check which sandbox layers this machine offers."),
     "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
@@ -59,6 +60,7 @@ def application(used: str = "") -> App:
         # `main` says how a command that is stopped ends.
         suppress_keyboard_interrupt=False,
     )
+    app.register_install_completion_command()
     for position, (name, (target, help_line)) in enumerate(COMMANDS.items()):
         app.command(target, name=name, help=None if name == used else help_line, sort_key=position)
     return app
@@ -72,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     debug = "--debug" in given
-    given = [argument for argument in given if argument != "--debug"]
+    given = [_with_home(argument) for argument in given if argument != "--debug"]
     try:
         with _sigterm_as_ctrl_c(), _warnings_as_lines():
             status = application(given[0] if given else "")(
@@ -88,12 +90,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return status
 
 
+def _with_home(argument: str) -> str:
+    """Return an argument with `~` as the home folder, which a shell leaves as it is after `=`."""
+    option, equals, value = argument.partition("=")
+    if equals and option.startswith("--") and value.startswith("~"):
+        return f"{option}={expanduser(value)}"  # noqa: PTH111
+    return expanduser(argument) if argument.startswith("~") else argument  # noqa: PTH111
+
+
 def _ending(error: BaseException, given: Sequence[str]) -> tuple[str, int]:
     """Return the one line that an error is told in, and the exit status."""
     match error:
+        case UnusedCliTokensError(unused_tokens=[first, *_]):
+            return (
+                f"{first!r} is one word too many. See `robomore {_command(given)}--help`.",
+                MISUSED,
+            )
         case CycloptsError():
-            command = f"{given[0]} " if given and given[0] in COMMANDS else ""
-            return f"{_one_line(error)} See `robomore {command}--help`.", MISUSED
+            return f"{_one_line(error)} See `robomore {_command(given)}--help`.", MISUSED
         case InputError():
             return _one_line(error), MISUSED
         case Interrupted():
@@ -112,6 +126,10 @@ def _ending(error: BaseException, given: Sequence[str]) -> tuple[str, int]:
         "run it again with --debug to see where",
         FAILED,
     )
+
+
+def _command(given: Sequence[str]) -> str:
+    return f"{given[0]} " if given and given[0] in COMMANDS else ""
 
 
 def _is_interrupted(error: BaseException | None) -> bool:

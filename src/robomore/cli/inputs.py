@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from robomore.errors import InputError, InvalidReward
+from robomore.plain_files import cannot_write
 from robomore.tasks import Task
 
 REFERENCE = "reference"
@@ -112,17 +113,17 @@ def read_duration(option: str, given: str) -> float:
 
 
 def read_text(path: Path, remedy: str) -> str:
-    """Return the text of a file.
+    """Return the text of a file, without the byte order mark that some editors put before it.
 
     Raises:
         InputError: there is none, or it is not text.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise InputError(f"{path} cannot be read ({error.strerror}); {remedy}") from None
     except UnicodeDecodeError:
-        raise InputError(f"{path} is not a text file; {remedy}") from None
+        raise InputError(f"{path} is no text in UTF-8; save it as such, or {remedy}") from None
 
 
 def positive(**numbers: int | None) -> None:
@@ -157,6 +158,4 @@ def new_folder(path: Path) -> None:
         if any(path.iterdir()):
             raise InputError(f"{path} is not empty; name a new folder with --out")
     except OSError as error:
-        raise InputError(
-            f"cannot write to {path} ({error.strerror}); name another folder with --out"
-        ) from None
+        raise cannot_write(path, error, "name another folder with --out") from None

@@ -76,7 +76,7 @@ class ModelOptions:
     parallel: int = 4
     diversity: bool = True
     repairs: int = 3
-    history_tokens: int = 8000
+    history_tokens: int = 4000
     history_rule: str = "best+worst+different+failed"
     vision: Annotated[bool, Parameter(negative="")] = False
     temperature: float | None = None

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from robomore.cli.inputs import positive
+from robomore.cli.inputs import positive, seed_number
 from robomore.cli.output import tell, write
 
 
@@ -40,7 +40,8 @@ def play(
         Show the reference design below it, both at one clock. This is always a video.
     out
         Write a video into this file (.mp4 needs imageio-ffmpeg; .webp and .gif work anywhere)
-        instead of opening a window.
+        instead of opening a window. Where no window can be opened, a video is written into the
+        folder of the run or of the design.
     seconds
         Length of the video at most.
     seed
@@ -52,6 +53,7 @@ def play(
     from robomore.rendering.video import default_path, refuse_format, write_video
 
     positive(seconds=seconds)
+    seed_number(seed)
     if out is not None:
         refuse_format(out)
     policies = find_policies(design, evaluation, reference, beside)
@@ -65,7 +67,8 @@ def play(
         if show_in_window(recordings[0]):
             return
         tell("no window could be opened; writing a video instead\n")
-    path = out or default_path(policies[0].name)
+    path = out or default_path(policies[0].folder, policies[0].name)
+    refuse_format(path)
     tell(f"writing {path} …\n")
     write_video(recordings, path, seconds, drawn)
     write(f"{said}\nvideo: {path}\n")

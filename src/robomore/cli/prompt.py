@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -10,11 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from robomore.cli.output import write, write_json
+from robomore.cli.run_options import DEFAULT_PRESET
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
+    from robomore.settings import RunSettings
     from robomore.tasks import Task
-    from robomore.types import Evaluation, Morphology, Reward
+    from robomore.types import Curve, Evaluation, Morphology, Reward
 
 
 def prompt(
@@ -28,7 +31,7 @@ def prompt(
     history_rule: str | None = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> None:
-    """Print exactly what would be sent to a language model.
+    """Print exactly what would be sent to a language model, by default in a `quick` run.
 
     Parameters
     ----------
@@ -41,7 +44,7 @@ def prompt(
     objective
         What the search compares; by default that of the run, or `efficiency`.
     history_tokens
-        The most tokens that the history may take; by default those of the run, or 8000.
+        The most tokens that the history may take; by default those of the run, or 4000.
     history_rule
         How entries of the history are chosen; by default as in the run.
     as_json
@@ -49,6 +52,8 @@ def prompt(
     """
     from robomore.designers.llm.history import HistorySettings
     from robomore.designers.llm.prompting import morphology_schema, render, render_prompt
+    from robomore.experiment.training_facts import training_facts
+    from robomore.settings import preset
     from robomore.tasks import get_task
 
     chosen = get_task(task)
@@ -71,6 +76,8 @@ def prompt(
         best=seen.best,
         measured=seen.measured,
         settings=history,
+        training=training_facts(seen.settings or preset(DEFAULT_PRESET), chosen),
+        curve_of=seen.curve_of,
     )
     if seen.vision and kind.startswith("improve"):
         role, question = messages
@@ -97,6 +104,8 @@ class _Seen:
     measured: list[Evaluation] = field(default_factory=list)
     history: dict[str, Any] = field(default_factory=dict)
     vision: bool = False
+    settings: RunSettings | None = None
+    curve_of: Callable[[str], Curve | None] = lambda key: None
 
 
 def _seen(task: Task, path: Path) -> _Seen:
@@ -135,4 +144,6 @@ def _seen(task: Task, path: Path) -> _Seen:
         ],
         settings.get("history", {}),
         bool(settings.get("vision")),
+        run.manifest.settings,
+        run.curve,
     )

@@ -14,6 +14,8 @@ from robomore.errors import InputError
 if TYPE_CHECKING:
     from robomore.settings import RunSettings
 
+DEFAULT_PRESET = "quick"
+
 Pairs = Annotated[list[str] | None, Parameter(negative="")]
 
 
@@ -49,7 +51,7 @@ class Search:
         best so far, and the same command goes on later.
     """
 
-    preset: str = "quick"
+    preset: str = DEFAULT_PRESET
     method: str | None = None
     method_option: Pairs = None
     reference_reward: Literal["in", "out"] | None = None

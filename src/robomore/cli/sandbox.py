@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from robomore.cli.output import console, write_json
+
+if TYPE_CHECKING:
+    from robomore.rewards.dry_run_findings import Observed, Term
 
 
 def doctor(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False) -> int:
@@ -50,11 +53,14 @@ def check_reward(
     file: Path,
     /,
     *,
+    containment: Literal["strict", "relaxed"] | None = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> int:
-    """Check a reward for errors without running it.
+    """Check a reward: read its text, then try it out on moving robots in the sandbox.
 
-    The exit status is 1 if it has an error.
+    Prints findings with their lines, statistics of the terms and the cost of a call. A reward of a
+    language model gets the same check and the same dry run. The exit status is 1 if there is an
+    error.
 
     Parameters
     ----------
@@ -62,26 +68,59 @@ def check_reward(
         Id of the task that the reward is for.
     file
         A Python file that defines `_get_rew(self, x_velocity, action)`.
+    containment
+        `strict` does not try the reward out where the machine lacks a sandbox layer, `relaxed` uses
+        the layers that are there. Default: `strict`.
     as_json
-        Print the findings as JSON.
+        Print findings and statistics as JSON.
     """
     from dataclasses import asdict
+    from tempfile import TemporaryDirectory
 
-    from robomore.errors import InputError
+    from robomore.cli.inputs import read_text
+    from robomore.experiment.containing import choose_containment
     from robomore.rewards.check import check_reward as findings_of
+    from robomore.rewards.dry_run import DryRun, DryRunResult
     from robomore.tasks import get_task
 
-    get_task(task)
-    try:
-        source = file.read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{file} cannot be read ({error}); name a Python file") from None
+    chosen = get_task(task)
+    source = read_text(file, "name a Python file")
     findings = findings_of(source)
+    result = DryRunResult([])
+    if not any(finding.severity == "error" for finding in findings):
+        mode, _ = choose_containment(containment, ours=False)
+        with TemporaryDirectory() as scratch:
+            result = DryRun(chosen, Path(scratch), mode).result(source)
+    findings = [*findings, *result.findings]
     if as_json:
-        write_json([asdict(finding) for finding in findings])
+        observed = asdict(result.observed) if result.observed else None
+        write_json({"findings": [asdict(it) for it in findings], "observed": observed})
     else:
+        screen = console()
         for finding in findings:
-            console().print(f"{file}:{finding.line}: {finding.severity}: {finding.message}")
+            said = f"{file}:{finding.line}: {finding.severity}: {finding.message}"
+            screen.print(said, markup=False, highlight=False)
+        if result.observed:
+            _print_statistics(result.observed)
         if not findings:
-            console().print(f"{file}: no errors found")
+            screen.print(f"{file}: no errors found", markup=False)
     return 1 if any(finding.severity == "error" for finding in findings) else 0
+
+
+def _print_statistics(observed: Observed) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False)
+    table.add_column("term")
+    for heading in ("mean", "low", "high", "std"):
+        table.add_column(heading, justify="right")
+    rows: list[tuple[str, Observed | Term]] = [("(the reward)", observed)]
+    for name, term in (*rows, *observed.terms.items()):
+        numbers = (term.mean, term.low, term.high, term.spread)
+        table.add_row(Text(name), *(f"{number:.4g}" for number in numbers))
+    console().print(table)
+    console().print(
+        f"{observed.calls} calls on robots that moved at random; one call takes "
+        f"{1e6 * observed.seconds:.0f} µs of processor time"
+    )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from cyclopts import Parameter
 
@@ -12,6 +14,10 @@ from robomore.cli.output import write, write_json
 
 if TYPE_CHECKING:
     from robomore.tasks import Task
+
+T = TypeVar("T")
+
+_log = logging.getLogger(__name__)
 
 _COLUMNS = 72
 """Width of the picture in the terminal, in characters."""
@@ -29,13 +35,10 @@ def tasks(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False)
 
     found = [task for _, task in TASKS.items()]
     if as_json:
-        write_json([_as_data(task) for task in found])
+        write_json([data for data in map(_as_data, found) if data])
         return
     lines = [f"{'task':14} {'parameters':>10}  {'volume':>13}  to do"]
-    for task in found:
-        goal = "run far" if task.fitness == "distance" else "jump high"
-        volume = task.volume(task.reference)
-        lines.append(f"{task.id:14} {len(task.parameters):10}  {volume:10.6f} m³  {goal}")
+    lines += [line for line in map(_line, found) if line]
     lines.append("")
     lines.append("`robomore inspect TASK` shows a robot, `robomore run TASK` improves it.")
     write("\n".join(lines) + "\n")
@@ -102,6 +105,32 @@ def inspect(
         write(f"picture: {picture}\n")
 
 
+def _unless_broken(told: Callable[[Task], T]) -> Callable[[Task], T | None]:
+    """Return what is told of a task, or `None` and a warning where the task itself is broken."""
+
+    def safe(task: Task) -> T | None:
+        try:
+            return told(task)
+        except Exception as error:  # noqa: BLE001  # a task is code of somebody's package
+            said = f"{type(error).__name__}: {error}"
+            _log.warning(
+                "the task %s is broken (%s); mend its package. Everything else still works",
+                task.id,
+                said,
+            )
+            return None
+
+    return safe
+
+
+@_unless_broken
+def _line(task: Task) -> str:
+    goal = "run far" if task.fitness == "distance" else "jump high"
+    volume = task.volume(task.reference)
+    return f"{task.id:14} {len(task.parameters):10}  {volume:10.6f} m³  {goal}"
+
+
+@_unless_broken
 def _as_data(task: Task) -> dict[str, Any]:
     return {
         "id": task.id,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from robomore.cli.inputs import read_parameters, read_text
 from robomore.errors import InputError
+from robomore.plain_files import PlainFolder
 from robomore.rendering.recording import Recording, record
 from robomore.runs import Run, TrainedDesign, load_run
 from robomore.runs.lineage import best_of
@@ -28,6 +29,7 @@ class TrainedPolicy:
         policy: that moves it.
         title: for people.
         name: fit for a file.
+        folder: of the run or the design that it belongs to.
     """
 
     task: Task
@@ -35,6 +37,7 @@ class TrainedPolicy:
     policy: MLPPolicy
     title: str
     name: str
+    folder: Path
 
     def recorded(self, seed: int) -> Recording:
         """Return one episode.
@@ -116,10 +119,11 @@ def _of_run(run: Run, key: str, name: str) -> TrainedPolicy:
     parameters = run.evaluation(key).design.morphology.parameters
     title = f"{run.task.title}, {name}"
     file = f"{run.folder.resolve().name}-{name.replace(' ', '-')}"
-    return TrainedPolicy(run.task, parameters, run.load_policy(key), title, file)
+    return TrainedPolicy(run.task, parameters, run.load_policy(key), title, file, run.folder)
 
 
 def _from_design(folder: Path) -> TrainedPolicy:
+    PlainFolder(folder).check()
     check_sums(folder)
     file = folder / "design.json"
     text = read_text(file, "name a folder that `robomore run` wrote")
@@ -138,7 +142,7 @@ def _from_design(folder: Path) -> TrainedPolicy:
         policy = MLPPolicy.load(path)
     except (ValueError, OSError) as error:
         raise InputError(f"{path} cannot be used ({error}); train the design again") from None
-    return TrainedPolicy(task, parameters, policy, f"{task.title}, {name}", name)
+    return TrainedPolicy(task, parameters, policy, f"{task.title}, {name}", name, folder)
 
 
 def described(recording: Recording) -> str:

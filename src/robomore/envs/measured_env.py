@@ -1,10 +1,11 @@
-"""A `VectorEnv` that also measures how a robot moves: energy, ground contact, stride.
+"""A `VectorEnv` that also measures how a robot moves, and why an episode ended early.
 
 Only the trusted process measures with it. Training needs none of this, and does without its cost.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -16,6 +17,9 @@ from robomore.envs.gather import Gather
 from robomore.envs.robots.base import Array
 from robomore.envs.vector_env import VectorEnv
 from robomore.tasks.task import Task
+
+_AT_LIMIT = 0.99
+"""Size of a component of an action from which it counts as at its limit of 1."""
 
 _FEWEST_STEPS = 16
 """Control steps of an episode below which it has no stride worth measuring."""
@@ -31,12 +35,26 @@ class Motion:
         ground_contact: fraction of the control steps in which some part touches the ground.
         stride_frequency: the strongest frequency of the driven hinges, in Hz; 0 if they rest.
         joint_amplitude: amplitude of a driven hinge's angle, the mean over all of them, in rad.
+        saturation: fraction of the components of all actions that are at their limit.
+        drift: how far the torso moved sideways (along y), in m; `None` for a planar robot.
+        turn: how far the torso turned about the vertical axis between start and end, in rad, at
+            most pi; `None` for a planar robot.
+        fall: why the episode ended early, as a name of `FALLS`; empty if it did not.
     """
 
     energy: float
     ground_contact: float
     stride_frequency: float
     joint_amplitude: float
+    saturation: float
+    drift: float | None
+    turn: float | None
+    fall: str
+
+
+FALLS = ("too_low", "too_high", "tilted", "diverged", "unhealthy")
+"""Reasons why an episode ends early: the height of the torso, its angle, physics that diverged, or
+another rule of the environment."""
 
 
 class MeasuredEnv(VectorEnv):
@@ -57,6 +75,10 @@ class MeasuredEnv(VectorEnv):
         driven = model.actuator_trnid[model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT, 0]
         hinges = driven[model.jnt_type[driven] == mujoco.mjtJoint.mjJNT_HINGE]
         self._angles = model.jnt_qposadr[hinges]
+        self._free = bool(model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
+        self._controlled = Gather([[one.ctrl] for one in self.data])
+        self._saturated: Array = np.zeros(num_envs)
+        self._poses = np.zeros((num_envs, 2))  # y and yaw at the start
         self._on_ground = model.geom_bodyid == 0
         self._seeds = [0] * num_envs
         self._work: Array = np.zeros(num_envs)
@@ -72,6 +94,9 @@ class MeasuredEnv(VectorEnv):
     def _simulate(self) -> None:
         motors = self.action_size
         self._work[:] = 0.0
+        self._controlled.read()
+        at_limit = np.abs(self._controlled.values) >= _AT_LIMIT
+        self._saturated += at_limit.sum(axis=1) / max(1, motors)
         # MuJoCo steps as often as in one call; between the steps, the power is read.
         for _ in range(self._frame_skip):
             for data in self.data:
@@ -94,19 +119,57 @@ class MeasuredEnv(VectorEnv):
         super()._begin(index)
         self._energy[index] = 0.0
         self._touched[index] = 0
+        self._saturated[index] = 0.0
+        if self._free:
+            self._poses[index] = self._pose(index)
         self._history[index] = []
 
     def _end(self, ended: NDArray[np.intp], final: Array) -> None:
         for index in ended.tolist():
             angles = np.array(self._history[index])
             frequency, amplitude = stride(angles, self._dt)
+            drift = turn = None
+            if self._free:
+                y, yaw = self._pose(index)
+                drift = abs(y - self._poses[index, 0])
+                turn = angle_between(yaw, self._poses[index, 1])
             self.motions[self._seeds[index]] = Motion(
                 energy=float(self._energy[index]),
                 ground_contact=self._touched[index] / len(angles),
                 stride_frequency=frequency,
                 joint_amplitude=amplitude,
+                saturation=float(self._saturated[index] / len(angles)),
+                drift=drift,
+                turn=turn,
+                fall=self._fall(index),
             )
         super()._end(ended, final)
+
+    def _pose(self, index: int) -> tuple[float, float]:
+        """Return y in m and yaw in rad of a robot with a free joint."""
+        _, y, _, a, b, c, d = self.qpos[index, :7].tolist()
+        return y, math.atan2(2 * (a * d + b * c), a * a + b * b - c * c - d * d)
+
+    def _fall(self, index: int) -> str:
+        """Return why the episode ended early, or an empty text."""
+        if self.diverged[index]:
+            return "diverged"
+        if self.healthy[index] or not self._terminates:
+            return ""
+        low, high = getattr(self.environment, "_healthy_z_range", (-math.inf, math.inf))
+        height = self.qpos[index, 2 if self._free else 1]
+        if height <= low:
+            return "too_low"
+        if height >= high:
+            return "too_high"
+        low, high = getattr(self.environment, "_healthy_angle_range", (-math.inf, math.inf))
+        tilted = not self._free and not low < self.qpos[index, 2] < high
+        return "tilted" if tilted else "unhealthy"
+
+
+def angle_between(one: float, other: float) -> float:
+    """Return the angle between two directions, in rad, from 0 to pi."""
+    return abs(math.remainder(one - other, math.tau))
 
 
 def stride(angles: Array, step_seconds: float) -> tuple[float, float]:

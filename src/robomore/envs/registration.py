@@ -1,18 +1,23 @@
 """The tasks as Gymnasium environments: `gymnasium.make("robomore/Ant-v0", parameters=…)`.
 
-Importing this module makes them known, as Gymnasium expects of a package; by name alone,
-`gymnasium.make("robomore.envs.registration:robomore/Ant-v0")` does so itself. Nothing else is
-imported before an environment is made.
+Importing this module makes them known. `import robomore` does that as soon as Gymnasium is imported
+too, and `gymnasium.make("robomore.envs.registration:robomore/Ant-v0")` by itself. Nothing else is
+imported before an environment is made, so tasks of other packages are not loaded either.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from gymnasium.envs import registration
 
+from robomore.registry import plugin_entries
+
 if TYPE_CHECKING:
+    import gymnasium
+
     from robomore.envs.robots.base import RewardFunction, RobotEnvironment
 
 ENVIRONMENTS = {
@@ -32,16 +37,36 @@ EPISODE_STEPS = 1000
 
 
 def register() -> None:
-    """Make `robomore/Ant-v0` and its like known to Gymnasium; calling it again does nothing."""
+    """Make `robomore/Ant-v0` and its like known to Gymnasium; calling it again does nothing.
+
+    So are tasks of other packages: `hill-climb` is `robomore/HillClimb-v0`.
+    """
     for name, task in ENVIRONMENTS.items():
-        id = f"robomore/{name}-v0"
-        if id not in registration.registry:
-            registration.register(
-                id=id,
-                entry_point=f"{__name__}:make_environment",
-                max_episode_steps=EPISODE_STEPS,
-                kwargs={"task": task},
-            )
+        _register(name, task, "make_environment", EPISODE_STEPS)
+    for entry in plugin_entries("robomore.tasks"):
+        # How long its episodes are is only known once it is loaded.
+        name = "".join(word[:1].upper() + word[1:] for word in re.split(r"\W+|_", entry.name))
+        _register(name, entry.name, "make_limited_environment", None)
+
+
+def _register(name: str, task: str, function: str, steps: int | None) -> None:
+    id = f"robomore/{name}-v0"
+    if name and id not in registration.registry:
+        registration.register(
+            id=id,
+            entry_point=f"{__name__}:{function}",
+            max_episode_steps=steps,
+            kwargs={"task": task},
+        )
+
+
+def make_limited_environment(task: str, **options: Any) -> gymnasium.Env[Any, Any]:
+    """Return what `make_environment` does, with episodes of the task's own length."""
+    from gymnasium.wrappers import TimeLimit
+
+    from robomore.tasks.registry import get_task
+
+    return TimeLimit(make_environment(task, **options), get_task(task).episode_steps)
 
 
 def make_environment(

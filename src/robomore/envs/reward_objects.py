@@ -10,7 +10,7 @@ import enum
 import functools
 import sys
 import types
-from collections import Counter, OrderedDict, UserDict, UserList, defaultdict, deque
+from collections import ChainMap, Counter, OrderedDict, UserDict, UserList, defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import MISSING
 from typing import Any
@@ -29,7 +29,7 @@ NATIVE: tuple[type, ...] = (
 """Types whose content can be kept, also that of a class that builds on one. The order of a set
 depends on all that ever was in it, so it cannot be kept."""
 
-BASES = frozenset({object, types.SimpleNamespace, UserDict, UserList, *NATIVE})
+BASES = frozenset({object, types.SimpleNamespace, ChainMap, UserDict, UserList, *NATIVE})
 """Types outside the reward whose instances hold nothing besides content and attributes."""
 
 _DESCRIPTORS = (
@@ -63,6 +63,8 @@ def address(value: Any) -> str | None:
         name, inner = value.__module__, value.__qualname__
     elif isinstance(value, np.ufunc):
         name, inner = "numpy", value.__name__
+    elif type(value).__module__ == MODULE:
+        return None
     elif callable(value) and isinstance(getattr(value, "__name__", None), str):
         name, inner = getattr(value, "__module__", None), value.__name__
     else:
@@ -255,8 +257,9 @@ def _inside(value: Any, instance: RewardInstance) -> Iterator[tuple[Any, bool]]:
 
 
 def _content(value: Any) -> list[Any]:
-    if isinstance(value, dict):
-        return [one for pair in dict.items(value) for one in pair]
-    if isinstance(value, list | tuple | deque):
-        return list(value)
-    return []
+    # By the base's own methods: those of the reward may do anything.
+    kinds: tuple[Any, ...] = (list, tuple, deque)
+    for kind in kinds:
+        if isinstance(value, kind):
+            return list(kind.__iter__(value))
+    return [one for pair in dict.items(value) for one in pair] if isinstance(value, dict) else []

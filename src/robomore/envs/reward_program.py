@@ -16,12 +16,14 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from types import CodeType, ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robomore.envs.robots.base import Array, RewardFunction
 from robomore.errors import InvalidReward
+
+if TYPE_CHECKING:
+    from robomore.envs.robots.base import Array, RewardFunction
 
 REWARD_FILENAME = "<reward>"
 """The name under which a reward's text is compiled, and its lines stand in tracebacks."""
@@ -143,6 +145,10 @@ class RewardProgram:
     def place(self, code: CodeType) -> int | None:
         """Return the place of a function's code in `codes`, `None` if it is not of this text."""
         return self._places.get(id(code))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how a copy is made: from the text, since each process executes it anew."""
+        return RewardProgram, (self.source,)
 
     def line_of(self, name: str) -> int:
         """Return the line in which `name` (or `self.name`) first gets a value, else 1."""

@@ -74,7 +74,7 @@ class RewardRunner:
         self._health: list[Any] = [True] * count
         robot, self._health_type = _robot_class(environment, self._health, self._steps)
         inherited = {name: protect(value) for name, value in vars(environment).items()}
-        inherited["mujoco_renderer"] = None  # it holds the writable data
+        inherited |= dict.fromkeys(("mujoco_renderer", "_reward"))  # they can be changed
         inherited["model"] = ReadOnly(environment.model, constant=True)
         inherited["metadata"] = protect(environment.metadata)
         self._fresh = [
@@ -108,8 +108,7 @@ class RewardRunner:
             self._rewards, self._selves, x_velocity, actions, strict=True
         ):
             try:
-                # A copy, so that no simulation's action leads to another's.
-                result = reward(robot, speed, action.copy())
+                result = reward(robot, speed, action)
             except (Exception, SystemExit) as error:
                 what = f"raised {self._explain(error)}"
                 raise self._failed(what, len(rewards), speed, action) from error

@@ -34,6 +34,8 @@ from robomore.envs.reward_objects import (
 from robomore.envs.reward_program import RewardInstance
 
 _PLAIN_INT = 2**53
+_DEEPEST = 100
+"""Objects inside each other; far from what the interpreter can follow when they are read again."""
 _GENERATORS = ("PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64")
 
 
@@ -92,6 +94,7 @@ class _Writer:
         self._written: dict[int, int] = {}
         self._alive: list[Any] = []  # what was written, so that no identity is used twice
         self._open: set[int] = set()
+        self._depth = 0
 
     def root(self, name: str, shown: str, value: Any) -> Any:
         """Write what a name stands for.
@@ -101,8 +104,6 @@ class _Writer:
         """
         try:
             return self.value(value)
-        except RecursionError:
-            said = "it is nested too deeply"
         except TypeError as error:
             said = str(error)
         raise UnsavedStateError(
@@ -172,7 +173,11 @@ class _Writer:
             self._written[id(value)] = place
         else:
             self._open.add(id(value))
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise TypeError("it is nested too deeply")
         self.nodes[place] = self._content(value)
+        self._depth -= 1
         self._open.discard(id(value))
         self._written[id(value)] = place
         return ["node", place]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs.measured_env import MeasuredEnv
+from robomore.envs.measured_env import FALLS, MeasuredEnv, Motion
 from robomore.errors import TrainingDiverged, UnstableSimulation
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
@@ -112,12 +112,30 @@ def measure(
             "ground_contact_share": fmean(one.ground_contact for one in motions),
             "stride_frequency_hz": fmean(one.stride_frequency for one in motions),
             "joint_amplitude_rad": fmean(one.joint_amplitude for one in motions),
+            "saturated_share": fmean(one.saturation for one in motions),
+            **_sideways(motions),
+            **_falls(motions),
         },
     )
     numbers = (*measurement.episode_fitness, *measurement.behaviour.values())
     if not all(map(math.isfinite, numbers)):
         raise UnstableSimulation("the robot's motion is not measured in finite numbers")
     return measurement
+
+
+def _sideways(motions: Sequence[Motion]) -> dict[str, float]:
+    """Return how far a robot in three dimensions moves sideways and turns."""
+    drifts = [one.drift for one in motions if one.drift is not None]
+    turns = [one.turn for one in motions if one.turn is not None]
+    if not drifts or not turns:
+        return {}
+    return {"sideways_drift_m": fmean(drifts), "turn_rad": fmean(turns)}
+
+
+def _falls(motions: Sequence[Motion]) -> dict[str, float]:
+    """Return the share of the episodes that ended early for each reason that there was."""
+    counts = {name: sum(one.fall == name for one in motions) for name in FALLS}
+    return {f"fell_{name}_share": n / len(motions) for name, n in counts.items() if n}
 
 
 class _Finite(MLPPolicy):

@@ -14,16 +14,17 @@ import msgspec
 
 from robomore.designers import Designer, LanguageModel, Replay, make_designer
 from robomore.designers.llm.designer import LLMDesigner, LLMSettings
+from robomore.designers.llm.training_facts import TrainingFacts
 from robomore.errors import InputError
 from robomore.events import Observer, Spent
 from robomore.llm import BudgetedClient, MemoryLog, ReplayModel, Spending
 from robomore.rendering.snapshots import pictures
 from robomore.rewards.dry_run import DryRun
 from robomore.sandbox.call import Containment
-from robomore.store import LedgerExchanges, Manifest, RunFolder
+from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import Task
 from robomore.training.policy import POLICY, MLPPolicy
-from robomore.types import Evaluation
+from robomore.types import Curve, Evaluation
 
 log = logging.getLogger(__name__)
 
@@ -54,6 +55,7 @@ def choose_designer(
     objective: str,
     containment: Containment,
     observe: Observer,
+    training: TrainingFacts | None = None,
 ) -> ChosenDesigner:
     """Return the designer that was asked for, or refuse before anything is written.
 
@@ -64,6 +66,7 @@ def choose_designer(
         objective: what the search compares.
         containment: how a reward is kept in while it is tried.
         observe: told what a language model has cost.
+        training: what a language model is told of how designs are trained.
 
     Raises:
         InputError: there is no such designer, or one of its settings cannot be used.
@@ -88,6 +91,8 @@ def choose_designer(
             objective=objective,
             dry_run=DryRun(task, folder.scratch, containment),
             pictures=partial(_pictures, task, folder.artifacts) if model.vision else None,
+            training=training,
+            curve_of=_Curves(folder, stack).curve,
         )
 
     provenance = f"Proposed by a language model: {model.model.name}"
@@ -98,6 +103,22 @@ def choose_designer(
     return ChosenDesigner(
         LanguageModel.name, f"{provenance}.", make, model.identity, model.parallel
     )
+
+
+class _Curves:
+    """Learning curves from a run's ledger, which is opened when the first one is asked for."""
+
+    def __init__(self, folder: RunFolder, stack: ExitStack) -> None:
+        self._folder = folder
+        self._stack = stack
+        self._ledger: Ledger | None = None
+
+    def curve(self, key: str) -> Curve | None:
+        """Return the learning curve of the evaluation with that key."""
+        if self._ledger is None:
+            ledger = Ledger(self._folder.ledger, read_only=True)
+            self._ledger = self._stack.enter_context(closing(ledger))
+        return self._ledger.curve(key)
 
 
 def _recorded(replay: Replay) -> LanguageModel:

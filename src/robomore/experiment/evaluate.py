@@ -53,6 +53,8 @@ def evaluate(
     """
     task = get_task(task) if isinstance(task, str) else task
     settings = preset(settings) if isinstance(settings, str) else settings
+    if seed < 0:
+        raise InputError(f"the seed is {seed}; give a whole number from 0 up")
     budget = Budget(steps or settings.candidate.steps, settings.candidate.episodes)
     ensure_trainer(settings.trainer, budget.steps)
     mode, _ = choose_containment(containment, ours=reward is None)

@@ -19,6 +19,7 @@ from robomore.executors import EXECUTORS, thread_map
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
+from robomore.experiment.training_facts import training_facts
 from robomore.plan import Plan
 from robomore.report import write_report
 from robomore.runs import Run, load_run
@@ -84,8 +85,9 @@ def run(
     workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     method = make_method(settings.method)
+    make_executor = EXECUTORS.get(executor)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
-    _refuse_useless(task, settings, method, designer, budget_steps, time_limit)
+    _refuse_useless(task, settings, method, designer, seed, budget_steps, time_limit)
     # Search and designer know the limits as rules; a worker knows the task as it is.
     searched = limited(task, settings)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
@@ -93,7 +95,8 @@ def run(
     chosen = _no_designer(method)
     if method.needs_designer:
         asked = designer or "offline"
-        chosen = choose_designer(asked, searched, seed, settings.objective, mode, observe)
+        facts = training_facts(settings, task)
+        chosen = choose_designer(asked, searched, seed, settings.objective, mode, observe, facts)
     context = SearchContext(
         task=searched,
         reference=Design(
@@ -119,7 +122,7 @@ def run(
         designer_settings=chosen.settings,
         versions=package_versions(*packages_for(settings.trainer)),
     )
-    out = Path(out) if out else default_folder(task.id, name, chosen.name, seed)
+    out = Path(out).expanduser() if out else default_folder(task.id, name, chosen.name, seed)
 
     def time_is_up() -> bool:
         return time_limit is not None and time.monotonic() - began >= time_limit
@@ -151,7 +154,7 @@ def run(
             versions=manifest.versions,
             ledger=ledger,
             folder=folder,
-            executor=stack.enter_context(closing(EXECUTORS.get(executor)(workers))),
+            executor=stack.enter_context(closing(make_executor(workers))),
             containment=mode,
             observe=observe,
             time_is_up=time_is_up,
@@ -222,6 +225,7 @@ def _refuse_useless(
     settings: RunSettings,
     method: SearchMethod,
     designer: object,
+    seed: int,
     budget_steps: int | None,
     time_limit: float | None,
 ) -> None:
@@ -244,6 +248,8 @@ def _refuse_useless(
             f"a budget of {budget_steps} steps does not pay for one candidate of "
             f"{settings.candidate.steps}; give a larger --budget-steps, or smaller --steps"
         )
+    if seed < 0:
+        raise InputError(f"the seed is {seed}; give a whole number from 0 up")
     if time_limit is not None and not time_limit > 0:
         raise InputError(f"a time limit of {time_limit} s is over at once; give a positive one")
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robomore.errors import InputError
+from robomore.plain_files import cannot_write
 from robomore.rendering.drawing import Array, Scene, nice_length
 
 if TYPE_CHECKING:
@@ -154,9 +155,7 @@ def save_picture(scene: Scene, path: Path, title: str = "", width: int = 800) ->
         else:
             raise InputError(f"{path} is no picture that can be written; end it in .svg or .png")
     except OSError as error:
-        raise InputError(
-            f"cannot write {path} ({error.strerror or error}); name another file"
-        ) from None
+        raise cannot_write(path, error, "name another file") from None
 
 
 def _layers(colour: str, thick: float) -> tuple[tuple[str, float, float], ...]:

@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Sequence
+from errno import EACCES, ENOENT
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.errors import InputError
+from robomore.plain_files import cannot_write, write_plain
 from robomore.rendering.drawing import (
     elevation,
     ground_lines,
@@ -52,13 +54,16 @@ def refuse_format(path: Path) -> None:
             )
     elif suffix not in _ANIMATED:
         raise InputError(f"{path} is no video that can be written; end it in .mp4, .webp or .gif")
-    if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
-        raise InputError(f"cannot write to {path.parent}; name a file elsewhere with --out")
+    remedy = "name a file elsewhere with --out"
+    if not path.parent.is_dir():
+        raise cannot_write(path, FileNotFoundError(ENOENT, "no such folder"), remedy)
+    if not os.access(path.parent, os.W_OK):
+        raise cannot_write(path, PermissionError(EACCES, "the folder cannot be written"), remedy)
 
 
-def default_path(name: str) -> Path:
-    """Return where a video goes when nobody says: here, in the best format that can be written."""
-    return Path(f"{name}.{'mp4' if _has_ffmpeg() else 'webp'}")
+def default_path(folder: Path, name: str) -> Path:
+    """Return where a video of that name goes, in the best format that can be written."""
+    return folder / f"{name}.{'mp4' if _has_ffmpeg() else 'webp'}"
 
 
 def write_video(
@@ -73,7 +78,21 @@ def write_video(
         path: decides the format by its suffix.
         seconds: length at most.
         drawn: without OpenGL in any case; several episodes always are.
+
+    Raises:
+        InputError: the file cannot be written.
     """
+    with TemporaryDirectory(prefix="robomore-") as scratch:
+        # Whole or not at all, and never through a link that lies in the folder.
+        made = Path(scratch) / f"video{path.suffix.lower()}"
+        _write(recordings, made, seconds, drawn)
+        try:
+            write_plain(path, made.read_bytes())
+        except OSError as error:
+            raise cannot_write(path, error, "name a file elsewhere with --out") from None
+
+
+def _write(recordings: Sequence[Recording], path: Path, seconds: float, drawn: bool) -> None:
     dt = recordings[0].dt
     stride = max(1, round(1 / (_FRAMES_PER_SECOND * dt)))
     length = min(max(len(one.poses) for one in recordings), int(seconds / dt) + 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robomore.report.svg import axis_around, element, figure, hover, text
+from robomore.report.svg import axis_around, element, figure, text, tip
 from robomore.runs import Run
 from robomore.runs.bounds import share_of_range
 from robomore.runs.words import number, short
@@ -74,6 +74,6 @@ def seed_dots(run: Run, name: str) -> str:
         mean = x.at(measured.mean)
         parts.append(element("line", x1=mean, x2=mean, y1=y - 9, y2=y + 9, klass=f"mean {kind}"))
         for index, value in enumerate(measured.values, 1):
-            said = hover(f"training seed {index}: {number(value)}")
-            parts.append(element("circle", said, cx=x.at(value), cy=y, r=4, klass=f"dot {kind}"))
+            dot = element("circle", cx=x.at(value), cy=y, r=4, klass=f"dot {kind}")
+            parts.append(tip(f"training seed {index}: {number(value)}", dot))
     return figure(_WIDTH, height, f"{name} for each training seed", parts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from robomore.report.svg import element, figure, hover, text
+from robomore.report.svg import element, figure, text, tip
 from robomore.runs.grid import Cell, Grid
 from robomore.runs.words import EFFICIENCY_UNIT, number, unit_of
 
@@ -15,7 +15,7 @@ _CELL_HEIGHT = 26.0
 
 
 def heatmap(grid: Grid, objective: str) -> str:
-    """Return the grid; a failed cell is crossed out and says why under the pointer.
+    """Return the grid; a failed cell is crossed out and says why when it is pointed at or tapped.
 
     What screening cut short is pale, and what it left out says so.
 
@@ -64,7 +64,7 @@ def _cell(
     if evaluation is None:
         said = f"{name}: {cell.reason or 'not measured yet'}"
         klass = "cell-untried" if cell.reason else "cell-open"
-        return element("g", hover(said) + _box(x, y, width, klass=klass))
+        return tip(said, _box(x, y, width, klass=klass))
     score = evaluation.score(objective)
     if score is None:
         said = f"{name}: {evaluation.status}. {evaluation.diagnosis}"
@@ -73,7 +73,7 @@ def _cell(
         if width > 84:
             mark = _label(str(evaluation.status), x, y, width)
         shown = _box(x, y, width, klass="cell-failed")
-        return element("g", hover(said) + shown + mark, klass="failed")
+        return element("g", tip(said, shown + mark), klass="failed")
     said = (
         f"{name}: {number(evaluation.efficiency)} {EFFICIENCY_UNIT} = "
         f"{number(evaluation.fitness)} m / {number(evaluation.volume)} m³ "
@@ -82,7 +82,7 @@ def _cell(
     )
     fill, ink = _colours(_share(score, *ends))
     label = _label(number(score, 3), x, y, width, style=f"fill:{ink}") if width > 44 else ""
-    return element("g", hover(said) + _box(x, y, width, fill=fill) + label)
+    return tip(said, _box(x, y, width, fill=fill) + label)
 
 
 def _box(x: float, y: float, width: float, **attributes: object) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from robomore.report.plots import BOTTOM, LEFT, RIGHT, TOP, WIDTH
-from robomore.report.svg import axes, axis_around, element, figure, hover
+from robomore.report.svg import axes, axis_around, element, figure, tip
 from robomore.runs import Run
 from robomore.types import Curve
 
@@ -82,5 +82,5 @@ def _drawn(lines: Sequence[tuple[str, str, Curve, str]], y_name: str) -> str:
     parts = [axes(x, y, "control steps of training", y_name)]
     for name, kind, points in shown:
         path = "L".join(f"{x.at(step):.1f} {y.at(value):.1f}" for step, value in points)
-        parts.append(element("path", hover(name), d=f"M{path}", klass=kind))
+        parts.append(tip(name, element("path", d=f"M{path}", klass=kind)))
     return figure(WIDTH, _HEIGHT, f"{y_name} over training", parts)

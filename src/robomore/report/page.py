@@ -10,8 +10,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, pass_context
 from jinja2.runtime import Context
 from markupsafe import Markup
 
-from robomore.errors import InputError, InvalidMorphology
-from robomore.plain_files import write_plain
+from robomore.errors import InvalidMorphology
+from robomore.plain_files import cannot_write, write_plain
 from robomore.report.command import command_line
 from robomore.report.comparison_plot import parameter_rows, seed_dots
 from robomore.report.heatmap import heatmap
@@ -45,9 +45,7 @@ def write_report(run: Run | Path, out: Path | None = None) -> Path:
     try:
         write_plain(path, sanitize(render(run)).encode())
     except OSError as error:
-        raise InputError(
-            f"cannot write {path} ({error.strerror}); name a file with --out"
-        ) from None
+        raise cannot_write(path, error, "name a file with --out") from None
     return path
 
 

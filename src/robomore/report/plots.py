@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from robomore.report.svg import Axis, axes, axis_around, element, figure, hover, text
+from robomore.report.svg import Axis, axes, axis_around, element, figure, text, tip
 from robomore.runs import Run
 from robomore.runs.lineage import Record
 from robomore.runs.progress import progress
@@ -56,13 +56,17 @@ def best_so_far(run: Run) -> str:
         place = point.record.place
         said = f"{run.plan.describe(place)}: {number(point.score)} {unit_of(run.objective)}"
         parts.append(
-            element(
-                "circle",
-                hover(said),
-                cx=x.at(point.steps), cy=y.at(point.score), r=3.5,
-                klass=f"dot {classes.get(place.stage, '')}",
+            tip(
+                said,
+                element(
+                    "circle",
+                    cx=x.at(point.steps),
+                    cy=y.at(point.score),
+                    r=3.5,
+                    klass=f"dot {classes.get(place.stage, '')}",
+                ),
             )
-        )  # fmt: skip
+        )
         path += f"H{x.at(point.steps):.1f}V{y.at(point.best):.1f}"
     parts.append(element("path", d=f"{path}H{x.end:.1f}", klass="curve champion"))
     return figure(WIDTH, HEIGHT, "Best so far over the training that the search spent", parts)
@@ -90,7 +94,7 @@ def fitness_over_volume(run: Run) -> str:
         kind = _class_of(record, run)
         radius = 3.5 if kind.startswith("stage") else 5.5
         parts.append(
-            element("circle", hover(said), cx=at[0], cy=at[1], r=radius, klass=f"dot {kind}")
+            tip(said, element("circle", cx=at[0], cy=at[1], r=radius, klass=f"dot {kind}"))
         )
     return figure(WIDTH, HEIGHT, "Fitness and volume of all designs", parts)
 

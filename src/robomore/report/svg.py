@@ -36,22 +36,37 @@ def text(said: str, x: float, y: float, /, **attributes: object) -> str:
     return element("text", escape(said), x=x, y=y, **attributes)
 
 
-def hover(said: str) -> str:
-    """Return what a pointer that rests on an element shows; `said` is escaped."""
-    return element("title", escape(said))
+def tip(said: str, mark: str, /) -> str:
+    """Return a mark that says more while a pointer rests on it, a finger taps it or keys reach it.
+
+    The words stand below the figure (`figure` keeps the place free); `said` is escaped. No script
+    is needed for it.
+    """
+    words = element("div", escape(said), xmlns="http://www.w3.org/1999/xhtml")
+    place = element("foreignObject", words, y="100%", width="100%", height=_TIP_HEIGHT)
+    return element("g", mark + place, klass="tip", tabindex=0, aria_label=said)
 
 
 def figure(width: float, height: float, title: str, parts: Sequence[str]) -> str:
-    """Return a whole picture that scales with the page."""
+    """Return a whole picture that scales with the page, with room below for what its marks say."""
+    content = "".join(parts)
+    if 'class="tip"' in content:
+        content = text(_ASK, 0, height + 11, klass="note") + content
+        height += _TIP_HEIGHT
     return element(
         "svg",
-        hover(title) + "".join(parts),
+        element("title", escape(title)) + content,
         viewBox=f"0 0 {width:g} {height:g}",
         role="img",
         aria_label=title,
         klass="figure",
         style=f"max-width:{_LARGEST * width:.0f}px",
     )
+
+
+_TIP_HEIGHT = 46
+"""Room for three lines; what is longer is scrolled to."""
+_ASK = "Point at a mark, or tap it, for its numbers."
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +139,7 @@ def axes(x: Axis, y: Axis, x_name: str, y_name: str) -> str:
             + text(_tick(value), x.start - 6, at + 4, text_anchor="end", klass="tick")
         )
     parts.append(text(x_name, (x.start + x.end) / 2, y.start + 34, text_anchor="middle"))
-    parts.append(text(y_name, 4, y.end - 8))
+    parts.append(text(y_name, 4, y.end - 14))
     return "".join(parts)
 
 

@@ -7,11 +7,8 @@ finds is noticed before a training is spent on it.
 
 from __future__ import annotations
 
-import collections
-import dataclasses
-import functools
-import itertools
-import math
+import builtins
+import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,14 +19,13 @@ from robomore.envs.reward_program import RewardProgram
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidReward, UnstableSimulation
 from robomore.identity import derive_seed
+from robomore.rewards.rules import MODULES
 from robomore.tasks import Task
 
 NUM_ENVS = 2
 BEFORE, AFTER = 14, 14
 EPISODE_STEPS = 6
 """Control steps before and after the interruption; episodes are short, so that some end in both."""
-
-_MODULES = (np, np.linalg, np.random, math, collections, dataclasses, functools, itertools)
 
 
 def check_continuation(task: Task, parameters: Sequence[float], reward: RewardProgram) -> None:
@@ -98,7 +94,8 @@ def _equal(one: dict[str, NDArray[Any]], other: dict[str, NDArray[Any]]) -> bool
 def _outside(simulations: VectorEnv) -> dict[str, int]:
     """Return which objects the modules and classes hold that all rewards share."""
     found = {}
-    holders: list[Any] = [*_MODULES, *type(simulations.environment).__mro__]
+    modules = [sys.modules[name] for name in sorted(MODULES) if name in sys.modules]
+    holders: list[Any] = [builtins, *modules, np.random, *type(simulations.environment).__mro__]
     for holder in holders:
         for name, value in vars(holder).items():
             if not isinstance(value, type(np)):  # NumPy loads some of its modules late
@@ -110,7 +107,13 @@ def _outside(simulations: VectorEnv) -> dict[str, int]:
 
 
 def _compare_outside(before: dict[str, int], after: dict[str, int]) -> None:
-    changed = [name for name in after if before.get(name) != after[name]]
+    # A module that a reward imports in a call is new as a whole.
+    holders = {name.rpartition(".")[0] for name in before}
+    changed = [
+        name
+        for name in after
+        if before.get(name) != after[name] and name.rpartition(".")[0] in holders
+    ]
     if changed:
         raise InvalidReward(
             f"changes `{changed[0]}`, which all simulations share and no checkpoint holds; keep "

@@ -198,16 +198,19 @@ class _Record:
                 self.not_finite[name] = self.not_finite.get(name, 0) + 1
 
     def observed(self) -> Observed:
+        whole = _term(self.rewards, 0)
         return Observed(
             calls=len(self.rewards),
-            low=min(self.rewards, default=0.0),
-            high=max(self.rewards, default=0.0),
+            low=whole.low,
+            high=whole.high,
             seconds=statistics.median(self.seconds) if self.seconds else 0.0,
             terms={
                 name: _term(values, self.not_finite.get(name, 0))
                 for name, values in self.terms.items()
             },
-            mean=_term(self.rewards, 0).mean,
+            mean=whole.mean,
+            spread=whole.spread,
+            usual=float(np.median(np.abs(self.rewards))) if self.rewards else 0.0,
         )
 
 

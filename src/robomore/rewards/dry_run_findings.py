@@ -21,11 +21,12 @@ SLOW, TOO_SLOW = 1e-3, 10e-3
 million steps makes as many calls."""
 _DOMINANT = 0.99
 """A term with more than this share of all variation leaves the others without a say."""
-TINY, HUGE = 1e-9, 1e12
-"""Rewards whose size lies outside are of no use: single precision has some seven digits, and sums
-over an episode must keep them."""
-_DIGITS = 1e-6
+TINY, HUGE = 1e-100, 1e100
+"""Training normalises rewards; those whose size lies outside it cannot."""
+_DIGITS = 1e-10
 """A reward whose values differ by less than this share of their size is as good as constant."""
+_OUTLIER = 1e6
+"""A reward that is so many times its usual size somewhere, is clipped there."""
 _NAMED = 3
 """Terms that one finding names."""
 _DRAWS = 500
@@ -61,6 +62,8 @@ class Observed:
         seconds: processor time of a usual call (the median).
         terms: by name.
         mean: of the reward.
+        spread: its standard deviation.
+        usual: usual size of the reward (the median of its absolute values).
     """
 
     calls: int
@@ -69,6 +72,8 @@ class Observed:
     seconds: float
     terms: dict[str, Term] = field(default_factory=dict)
     mean: float = 0.0
+    spread: float = 0.0
+    usual: float = 0.0
 
 
 def findings(observed: Observed, line: int) -> list[Finding]:
@@ -88,8 +93,8 @@ def findings(observed: Observed, line: int) -> list[Finding]:
                 "of several robots that moved at random: nothing can be learnt from it",
             )
         )
-    elif said := _size(observed):
-        found.append(Finding(line, "error", said))
+    else:
+        found += _about_size(observed, line)
     if observed.seconds > SLOW:
         found.append(
             Finding(
@@ -102,22 +107,30 @@ def findings(observed: Observed, line: int) -> list[Finding]:
     return [*found, *_about_terms(observed, line)]
 
 
-def _size(observed: Observed) -> str:
-    """Return what is wrong with the size of a reward's values, empty if nothing is."""
+def _about_size(observed: Observed, line: int) -> list[Finding]:
+    """Tell of values that training cannot use, or will clip."""
     largest = max(abs(observed.low), abs(observed.high))
     spread = observed.high / 2 - observed.low / 2  # halved, so that it is finite
-    if TINY <= largest <= HUGE and 2 * spread >= _DIGITS * largest:
-        return ""
     reached = observed.low if abs(observed.low) == largest else observed.high
     said = f"the reward was {reached:.3g}{_largest_term(observed)}"
     if largest > HUGE:
-        return f"{said}, which is too large to learn from; keep it between -1000 and 1000"
-    if largest < TINY:
-        return f"{said} at most, which is too small to learn from; multiply it"
-    return (
-        f"{said}, and differed by only {2 * spread:.3g} in {observed.calls} steps: too few digits "
-        "are left to learn from; take the large constant away"
-    )
+        said += ", which is too large to learn from; keep it between -1000 and 1000"
+    elif largest < TINY:
+        said += " at most, which is too small to learn from; multiply it"
+    elif 2 * spread < _DIGITS * largest:
+        said += (
+            f", and differed by only {2 * spread:.3g} in {observed.calls} steps: too few digits "
+            "are left to learn from; take the large constant away"
+        )
+    elif largest > _OUTLIER * observed.usual > 0:
+        said += (
+            f" in one state and {observed.usual:.3g} in a usual one; such values are clipped: "
+            "bound the term, for example with `np.clip` or `np.tanh`"
+        )
+        return [Finding(line, "warning", said)]
+    else:
+        return []
+    return [Finding(line, "error", said)]
 
 
 def _largest_term(observed: Observed) -> str:

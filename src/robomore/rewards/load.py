@@ -6,12 +6,15 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from robomore.envs.reward_program import NAME, RewardProgram
-from robomore.envs.robots.base import RewardFunction
 from robomore.errors import InvalidReward
 from robomore.sandbox import heartbeat
 from robomore.sandbox.explain import explain
+
+if TYPE_CHECKING:
+    from robomore.envs.robots.base import RewardFunction
 
 
 def load_reward(

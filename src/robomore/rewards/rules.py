@@ -13,13 +13,14 @@ _STANDARD = (
 )
 """Modules of the standard library that compute and do nothing else."""
 
-_MODULES = frozenset(
+MODULES = frozenset(
     (
         *_STANDARD,
         *("__future__", "numpy", "numpy.linalg", "numpy.fft", "numpy.typing", "numpy.polynomial"),
     )
 )
-_PLAIN_TYPES = frozenset({"SimpleNamespace", "MappingProxyType"})
+"""Modules that a reward can import."""
+
 _INSTEAD = {
     "random": "draw from `self.np_random`",
     "time": "`self.data.time` is the time in the episode, in s",
@@ -33,9 +34,7 @@ def _imports(node: ast.AST) -> Iterator[Finding]:
     match node:
         case ast.Import(names=names):
             imported = [alias.name for alias in names]
-        case ast.ImportFrom(module="types", names=names) if {
-            alias.name for alias in names
-        } <= _PLAIN_TYPES:
+        case ast.ImportFrom(module="types", names=[ast.alias(name="SimpleNamespace")]):
             return
         case ast.ImportFrom(module=module, level=level, names=names):
             imported = ["." * level + (module or "")]
@@ -47,7 +46,7 @@ def _imports(node: ast.AST) -> Iterator[Finding]:
         case _:
             return
     for name in imported:
-        if name not in _MODULES:
+        if name not in MODULES:
             instead = _INSTEAD.get(
                 name.partition(".")[0],
                 f"a reward has numpy and, of the standard library, {', '.join(_STANDARD)}",
@@ -209,8 +208,6 @@ def _writes(node: ast.AST) -> Iterator[Finding]:
                     "error",
                     f"writes to `{'.'.join(path[:2])}`; a reward reads the physics and leaves it",
                 )
-            elif path[:1] in (["np"], ["numpy"], *([name] for name in _STANDARD)):
-                yield Finding(node.lineno, "error", f"changes `{'.'.join(path[:2])}` for everybody")
 
 
 RULES: tuple[Callable[[ast.AST], Iterator[Finding]], ...] = (
@@ -221,6 +218,19 @@ RULES: tuple[Callable[[ast.AST], Iterator[Finding]], ...] = (
     _writes,
 )
 """Each is given one node of the syntax tree."""
+
+
+def changed_imports(tree: ast.Module) -> Iterator[Finding]:
+    """Find each place where something imported is given an attribute."""
+    imported = {"np", "numpy", "math"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            imported |= {(it.asname or it.name).partition(".")[0] for it in node.names}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load):
+            path = path_of(node)
+            if path and path[0] in imported:
+                yield Finding(node.lineno, "error", f"changes `{'.'.join(path[:2])}` for everybody")
 
 
 def kept_attributes(function: ast.AST) -> Iterator[Finding]:

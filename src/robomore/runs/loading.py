@@ -29,7 +29,7 @@ def load_run(folder: str | Path) -> Run:
         LedgerError: its ledger is damaged.
         InputError: its task is not installed here, or has other parameters now.
     """
-    path = Path(folder)
+    path = Path(folder).expanduser()
     files = RunFolder.existing(path)
     manifest = Manifest.load(files.manifest)
     task = get_task(manifest.task)

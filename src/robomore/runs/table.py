@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from robomore.errors import InputError
+from robomore.plain_files import cannot_write
 from robomore.plan import Plan
 from robomore.runs.lineage import Record
 from robomore.tasks import Task
@@ -82,7 +83,7 @@ def write_csv(found: Sequence[Row], path: Path) -> None:
     try:
         path.write_text(csv_text(found), encoding="utf-8", newline="")
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise cannot_write(path, error, "name another file") from None
 
 
 def write_parquet(found: Sequence[Row], path: Path) -> None:
@@ -102,7 +103,7 @@ def write_parquet(found: Sequence[Row], path: Path) -> None:
     try:
         frame.to_parquet(path)
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise cannot_write(path, error, "name another file") from None
 
 
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -111,7 +112,3 @@ def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
         name: f"'{value}" if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") else value
         for name, value in row.items()
     }
-
-
-def _unwritable(path: Path, error: OSError) -> InputError:
-    return InputError(f"cannot write {path} ({error.strerror}); name another file")

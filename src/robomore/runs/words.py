@@ -79,10 +79,17 @@ LABELS = {
     "ground_contact_share": "time with contact to the ground",
     "stride_frequency_hz": "stride frequency (Hz)",
     "joint_amplitude_rad": "mean amplitude of the driven hinges (rad)",
+    "saturated_share": "motor commands at their limit",
+    "sideways_drift_m": "sideways drift of the torso (m)",
+    "turn_rad": "turn about the vertical axis (rad)",
+    "fell_too_low_share": "episodes that ended with the torso too low",
+    "fell_too_high_share": "episodes that ended with the torso too high",
+    "fell_tilted_share": "episodes that ended with the torso tilted",
+    "fell_diverged_share": "episodes that ended because the simulation diverged",
+    "fell_unhealthy_share": "episodes that ended for another reason",
 }
 """What numbers are called before people, by the names that they have in evaluations."""
 
-_SHARES = frozenset({"fell_share", "ground_contact_share"})
 _UNITS = {
     "_m_s": "m/s",
     "_m": "m",
@@ -109,6 +116,6 @@ def label(name: str) -> str:
 
 def measured(name: str, value: float | None) -> str:
     """Return the value of a number of that name, in the unit of its label."""
-    if name in _SHARES and value is not None:
+    if name.endswith("_share") and value is not None:
         return f"{number(100 * value, 3)} %"
     return number(value)

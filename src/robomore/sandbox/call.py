@@ -15,6 +15,7 @@ import msgspec
 
 from robomore.errors import InputError
 from robomore.sandbox import heartbeat
+from robomore.sandbox.plugins import PACKAGES, plugin_files
 from robomore.sandbox.process import ChildProcess
 from robomore.sandbox.restrictions import Layer, Restrictions
 from robomore.sandbox.supervisor import Supervisor
@@ -93,6 +94,7 @@ def run_sandboxed(
     header = {
         "function": function,
         "scratch": str(scratch),
+        "modules": [function.partition(":")[0].partition(".")[0], *plugin_files()],
         "restrictions": Restrictions(
             parent=os.getpid(),
             readable=tuple(map(str, _needed(function) | {p.resolve() for p in readable})),
@@ -190,8 +192,9 @@ def _needed(function: str) -> set[Path]:
     needed |= {Path(sysconfig.get_path(name)) for name in ("stdlib", "platstdlib")}
     # Not a whole prefix: somebody's project folder may be one.
     needed |= {Path(prefix) / "lib" for prefix in (sys.prefix, sys.base_prefix)}
-    needed |= {entry for entry in entries if entry.name in _PACKAGES or entry.suffix == ".zip"}
+    needed |= {entry for entry in entries if entry.name in PACKAGES or entry.suffix == ".zip"}
     needed |= {Path(f) for f in os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep) if f}
+    needed |= {place for places in plugin_files().values() for place in places}
     for package in {"robomore", function.partition(":")[0].partition(".")[0]}:
         spec = importlib.util.find_spec(package)
         if spec is not None and spec.submodule_search_locations:
@@ -200,8 +203,6 @@ def _needed(function: str) -> set[Path]:
             needed.add(Path(spec.origin))
     return {path.resolve() for path in needed if path.is_absolute() and path.exists()}
 
-
-_PACKAGES = ("site-packages", "dist-packages", "lib-dynload")
 
 _SYSTEM = (
     *("/lib", "/lib64", "/usr/lib", "/usr/lib64", "/usr/local/lib", "/nix/store", "/gnu/store"),

@@ -70,7 +70,8 @@ def main(replies: int, heartbeat_page: int) -> NoReturn:
     # Gymnasium imports it to open windows, and it would start a process to find its library.
     sys.modules["glfw"] = ModuleType("glfw")
     # Looks through the search path once, while all of it can be read.
-    importlib.util.find_spec(header["function"].partition(":")[0].partition(".")[0])
+    for module in header["modules"]:
+        importlib.util.find_spec(module)
     try:
         layers = apply_restrictions(msgspec.convert(header["restrictions"], Restrictions))
     except LayerMissing as error:
@@ -111,4 +112,11 @@ def _fault(error: BaseException) -> tuple[str, str]:
             return status, text[:_LONGEST]
     if reward_line(error) is not None:
         return Status.REWARD_FAILED, explain(error)[:_LONGEST]
-    return Status.FAILED, "".join(traceback.format_exception(error))[-_LONGEST:]
+    said = "".join(traceback.format_exception(error))[-_LONGEST:]
+    if isinstance(error, PermissionError) and error.filename is not None:
+        said = (
+            f"a sandboxed process may not use {error.filename}: it reads installed packages alone, "
+            "and of what was installed with `pip install -e` only the modules. If a task or a "
+            f"trainer of your own needs the file, install its package without -e.\n{said}"
+        )
+    return Status.FAILED, said

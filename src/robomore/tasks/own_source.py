@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import importlib.util
 import sys
+from collections.abc import Callable
 from importlib.abc import InspectLoader
 from importlib.machinery import PathFinder
 
@@ -15,11 +16,12 @@ _VERSIONED = sys.stdlib_module_names | {"gymnasium", "mujoco", "numpy", "robomor
 """Packages that are not followed: a run records their versions."""
 
 
-def own_source(module: str) -> dict[str, str]:
+def own_source(module: str, skip: Callable[[str], bool] = lambda top: False) -> dict[str, str]:
     """Return the texts of a module and of its author's modules that it imports, by name.
 
     Args:
         module: full name of a module. Nothing is returned for one that cannot be found.
+        skip: says of a package or top module that is imported whether to leave it out.
     """
     found: dict[str, str] = {}
     waiting = [module]
@@ -29,7 +31,8 @@ def own_source(module: str) -> dict[str, str]:
         if text is None:
             continue
         found[name] = text
-        waiting += [one for one in _imports(name, text) if one.partition(".")[0] not in _VERSIONED]
+        tops = ((one, one.partition(".")[0]) for one in _imports(name, text))
+        waiting += [one for one, top in tops if top not in _VERSIONED and not skip(top)]
     return dict(sorted(found.items()))
 
 

@@ -7,8 +7,10 @@ import math
 import numpy as np
 
 from robomore.envs.compile import body_facts
+from robomore.envs.reward_text import reward_function
 from robomore.envs.vector_env import VectorEnv
-from robomore.errors import InvalidMorphology
+from robomore.errors import InvalidMorphology, InvalidReward, RewardFailed
+from robomore.rewards.continuation import check_continuation
 from robomore.search.random import drawn
 from robomore.tasks import Task
 from robomore.tasks.fingerprint import fingerprint
@@ -47,6 +49,10 @@ def check_task(task: Task) -> None:
         assert math.isfinite(volume) and volume > 0, f"{parameters} has the volume {volume}"
         _check_motion(task, parameters, seed)
     _check_motion(task, reference, DRAWS)
+    try:
+        check_continuation(task, reference, reward_function(task.reward))
+    except (InvalidReward, RewardFailed) as error:
+        raise AssertionError(f"the reference reward: {error}") from None
     outside = [parameter.high + 1.0 for parameter in task.parameters]
     try:
         task.check(outside)
@@ -57,8 +63,6 @@ def check_task(task: Task) -> None:
 
 def _check_motion(task: Task, parameters: tuple[float, ...], seed: int) -> None:
     """Move the robot at random under the reference reward, twice with the same seed."""
-    from robomore.envs.reward_text import reward_function
-
     seen = []
     for _ in range(2):
         env = VectorEnv(task, parameters, 2, reward_function(task.reward))

@@ -35,8 +35,9 @@ Layers = list[tuple[NDArray[np.float32], NDArray[np.float32]]]
 gives the Gaussian's mean and the logarithm of its standard deviation."""
 
 CHECKPOINT_GROWTH = 1.1
-"""A policy is put aside each time that the steps have grown by this factor. No budget enters this
-schedule, so a continued training returns the policies of one that was never stopped."""
+"""A policy is put aside, and the scale of rewards is measured anew, each time that the steps have
+grown by this factor. No budget enters this schedule, so a continued training returns the policies
+of one that was never stopped."""
 
 
 class OffPolicyTrainer(ABC):
@@ -139,8 +140,11 @@ class TrainingRun:
         self.steps += self.settings.train_freq * self.environment.num_envs
         losses: dict[str, float] = {}
         if self.steps >= self.settings.learning_starts:
+            grown = bool(before) and _growths(self.steps) > _growths(before)
+            if self.settings.normalize_rewards and (grown or not self.updates):
+                self.buffer.measure_scale(self.settings.gamma)
             losses = self._learn()
-            if before and _growths(self.steps) > _growths(before):
+            if grown:
                 others = self.settings.num_eval_checkpoints - 1
                 self.earlier = [*self.earlier, self.average][-others:] if others else []
         self.curve.note_round(self.steps, losses, self.environment)
@@ -206,8 +210,7 @@ class TrainingRun:
             for i, (weight, bias) in enumerate(layers):
                 arrays |= {f"{name}_weight{i}": weight, f"{name}_bias{i}": bias}
         arrays["observation"] = self.observation
-        arrays["buffer"] = self.buffer.rows[: self.buffer.size]
-        arrays["buffer_ended"] = self.buffer.ended[: self.buffer.size]
+        arrays |= self.buffer.state()
         facts = {
             "identity": self.identity,
             "steps": self.steps,
@@ -235,7 +238,7 @@ class TrainingRun:
         self.layers, self.average = stored("layers"), stored("average")
         self.earlier = [stored(f"earlier{i}") for i in range(facts["earlier"])]
         self.observation = arrays["observation"]
-        self.buffer.restore(arrays["buffer"], arrays["buffer_ended"], facts["buffer_position"])
+        self.buffer.restore(arrays, facts["buffer_position"])
         self.steps, self.updates = facts["steps"], facts["updates"]
         self.random.bit_generator.state = facts["random"]
         self.curve.restore(facts["curve"], arrays)

@@ -63,6 +63,9 @@ class LoopSettings(OffPolicySettings):
 
     n_steps: Count = 1
     """Control steps over which rewards are summed before a critic's value stands for the rest."""
+    normalize_rewards: bool = False
+    """Rewards are clipped, centred and divided by the deviation of their discounted returns, so
+    that their unit and offset do not matter (`robomore.training.reward_scale`)."""
     deterministic_env_fraction: Fraction = 0.0
     """Fraction of the environments that act without noise once learning has begun. The policy
     without noise is what is measured in the end, so its own mistakes are seen and unlearnt."""
@@ -87,6 +90,7 @@ class CrossQSettings(LoopSettings):
     init_alpha: Positive = 0.1
     episode_seconds: Positive | None = 5.0
     n_steps: Count = 3
+    normalize_rewards: bool = True
     policy_ema_fraction: Fraction = 0.1
     num_eval_checkpoints: Count = 4
     min_q_weight: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0

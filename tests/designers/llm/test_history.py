@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from measured import SWIMMER, body, evaluation, grid, reward
 
+from robomore.designers.llm.formatting import curve_line
 from robomore.designers.llm.history import (
     RULES,
     Entry,
@@ -20,7 +21,7 @@ from robomore.designers.llm.history import (
 )
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
-from robomore.types import Evaluation, Status
+from robomore.types import Curve, Evaluation, Status
 
 
 def entry(score: float | None, place: float = 0.0, length: int = 40) -> Entry:
@@ -94,7 +95,8 @@ def test_a_morphology_is_one_entry_with_all_its_results() -> None:
     assert text.startswith("## Morphology 1\nParameters: front_length 0.3")
     assert "Idea: small" in text
     assert f"With the current reward: efficiency {measured[0].efficiency:.4g}" in text
-    assert f"With another reward: efficiency {measured[1].efficiency:.4g}" in text
+    # The other results stand in the table.
+    assert text.count("efficiency") == 1
 
 
 def test_a_design_that_was_proposed_twice_is_shown_once() -> None:
@@ -111,7 +113,7 @@ def test_a_reward_is_one_entry_with_all_its_results() -> None:
     text = entries[1].text
     assert reward(2).source.strip() in text and text.startswith("## Reward 2")
     assert f"With the current morphology: efficiency {measured[7].efficiency:.4g}" in text
-    assert "With another morphology, 8 times: efficiency" in text and "median" in text
+    assert text.count("efficiency") == 1
 
 
 def test_an_entry_without_success_at_hand_describes_the_best_other_in_full() -> None:
@@ -122,7 +124,7 @@ def test_an_entry_without_success_at_hand_describes_the_best_other_in_full() -> 
     ]
     (entry,) = reward_entries("fitness", body(0.3), measured)
     assert "With the current morphology: failed (reward-failed): line 3" in entry.text
-    assert "With another morphology, its best: efficiency" in entry.text
+    assert "With morphology 3, its best: efficiency" in entry.text
     assert "(fitness 2 m" in entry.text.split("its best")[1]
     assert entry.text.count("How it moved") == 1
 
@@ -152,28 +154,29 @@ def test_a_morphology_counts_by_its_longest_training() -> None:
     ]
     (entry,) = morphology_entries(SWIMMER, "fitness", reward(3), mixed)
     assert (entry.score, entry.steps) == (5.0, 1000)
-    assert "With another reward, its best: efficiency" in entry.text
+    assert "With reward 2, its best: efficiency" in entry.text
     assert "(fitness 5 m" in entry.text.split("its best")[1].split("\n")[0]
 
 
-def test_many_results_are_summed_up_apart_by_their_steps() -> None:
-    few = [body(0.1 + i / 10) for i in range(16)]
-    measured = [
-        cut(evaluation(one, reward(1), float(i)), 200 if i < 8 else 1000)
-        for i, one in enumerate(few)
-    ]
-    (entry,) = reward_entries("fitness", body(2.9), measured)
-    assert "With another morphology, 7 times: efficiency" in entry.text
-    assert "With another morphology, 8 times after only 200 of 1,000 training steps: " in entry.text
-    assert "fitness 8 to 14, median" in entry.text and "fitness 0 to 7, median" in entry.text
+def test_the_learning_curve_is_a_few_points() -> None:
+    steps = tuple(range(100, 6500, 100))
+    series = {
+        "episode_return": (None, *(float(i) for i in range(1, 64))),
+        "episode_length": tuple(10.0 * i for i in range(64)),
+    }
+    curve = Curve(steps, series)
+    measured = [evaluation(body(0.3), reward(1), 5.0)]
+    keys = []
 
+    def curve_of(key: str) -> Curve:
+        keys.append(key)
+        return curve
 
-def test_failures_are_counted_and_quoted_once() -> None:
-    measured = [evaluation(body(0.1 + i / 10), reward(1), None) for i in range(5)]
-    (entry,) = reward_entries("efficiency", body(0.1), measured)
-    assert entry.score is None
-    assert "With another morphology, 4 of 4 failed, for example:" in entry.text
-    assert entry.text.count(f"failed ({Status.REWARD_FAILED.value})") == 2
+    (entry,) = morphology_entries(SWIMMER, "fitness", reward(1), measured, curve_of)
+    assert "return of an episode 6 at 700, 16 at 1,700, 32 at 3,300" in entry.text
+    assert "its length in control steps 60 at 700" in entry.text and "630 at 6,400" in entry.text
+    assert keys == [measured[0].key]
+    assert curve_line(Curve((1,), {"loss/actor": (1.0,)})) == ""
 
 
 def test_our_own_tracebacks_are_not_shown() -> None:

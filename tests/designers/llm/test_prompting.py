@@ -22,6 +22,9 @@ from robomore.designers.llm.prompting import (
     render_prompt,
     repair_message,
 )
+from robomore.designers.llm.robot_facts import episode_facts, robot_layout
+from robomore.designers.llm.training_facts import TrainingFacts
+from robomore.envs.compile import compile_model
 from robomore.envs.robots import environment_class
 from robomore.envs.source import environment_source
 from robomore.errors import InputError
@@ -188,6 +191,10 @@ def test_improvement_shows_scores_terms_movement_and_failures(kind: str) -> None
         f"efficiency {best.efficiency:.4g} m/m³ (fitness 4 m, volume {best.volume:.4g} m³)"
         in prompt
     )
+    assert "Volume by part: " in prompt and "capsule (radius 0.02 m, length 0.3 m)" in prompt
+    assert f"| {other.efficiency:.4g} | 1.5 |" in prompt
+    partner = "this reward (reward 1)" if "morph" in kind else "same morphology (morphology 1)"
+    assert partner in prompt
     assert "speed 0.5 (-0.25 to 1.75)" in prompt
     assert "mean_speed_m_per_s 0.08" in prompt
     assert "failed (reward-failed): line 3: division by zero" in prompt
@@ -247,6 +254,102 @@ def test_missing_and_unused_fields_are_errors() -> None:
 def test_a_repair_names_every_error() -> None:
     message = repair_message(["too long", "too short"])
     assert message.role == "user" and "- too long\n- too short" in message.text
+
+
+@EACH
+def test_the_reward_prompt_names_every_part_with_its_index(task: Task) -> None:
+    prompt = text_of(task, "reward")
+    model = compile_model(task, task.reference)
+    assert f"`self.data.qpos` has {model.nq} numbers, `self.data.qvel` has {model.nv}" in prompt
+    for joint in range(model.njnt):
+        row = next(r for r in prompt.split("\n") if r.startswith(f"| {model.joint(joint).name} |"))
+        places = [int(n) for n in re.findall(r"(?<![.\d])\d+(?![.\d])", row.split("|", 3)[3])]
+        assert model.jnt_qposadr[joint] in places and model.jnt_dofadr[joint] in places
+    for body_ in range(model.nbody):
+        assert f"- body {body_} {model.body(body_).name}" in prompt
+    for geom in range(model.ngeom):
+        assert f"{geom} {model.geom(geom).name}" in prompt
+    for motor in range(model.nu):
+        joint = model.joint(model.actuator_trnid[motor, 0]).name
+        assert f"[{motor}] {joint} (gear {model.actuator_gear[motor, 0]:g})" in prompt
+    assert "cfrc_ext[body]" in prompt and "The model has no sensors." in prompt
+
+
+def test_sensors_are_named_with_their_place() -> None:
+    sensors = '<sensor><accelerometer name="feel" site="s"/><jointpos joint="rooty"/></sensor>'
+    template = SWIMMER.template.replace("</worldbody>", "</worldbody>" + sensors)
+    body_ = '<body name="torso"'
+    site = '<site name="s"/>'
+    start = template.index(">", template.index(body_)) + 1
+    joint = re.search(r'<joint name="(\w+)"[^>]*type="hinge"', template)[1]
+    template = (template[:start] + site + template[start:]).replace("rooty", joint)
+    layout = robot_layout(dataclasses.replace(SWIMMER, template=template))
+    assert "- [0:3] feel\n- [3] (number 1)" in layout
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_starts_and_ends_an_episode_is_said(kind: str) -> None:
+    ant = text_of(get_task("ant"), kind)
+    assert "A control step takes 0.05 s" in ant and "which is 50 s" in ant
+    assert "up to about 0.1 (m, rad) on each position" in ant
+    assert "the torso is lower than 0.1 m or higher than 2.3 m" in ant
+    hopper = text_of(get_task("hopper"), kind)
+    assert re.search(r"lower than 0\.\d+ times its height at the start or its angle", hopper)
+    assert "ends early only if the simulation diverges" in text_of(SWIMMER, kind)
+
+
+def test_a_limit_that_depends_on_the_morphology_shows_no_number_of_the_reference() -> None:
+    odd = dataclasses.replace(
+        get_task("ant"),
+        options=lambda values: {"healthy_z_range": (values["leg_x"] ** 2, 10.0)},
+    )
+    assert "lower than a limit or higher than 10 m" in episode_facts(odd)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_trains_is_said_if_it_is_known(kind: str) -> None:
+    facts = TrainingFacts("crossq", 300_000, 10, 0.995, 16, 5.0)
+    said = text_of(get_task("ant"), kind, training=facts)
+    for needed in (
+        "300,000 control steps, in 16 simulations together, with the algorithm crossq",
+        "discount factor is 0.995",
+        "about 200 control steps ahead",
+        "cut off after 5 s",
+        "uses rewards as they are",
+        "in 10 episodes",
+    ):
+        assert needed in said
+    scaled = dataclasses.replace(facts, normalizes_reward=True)
+    assert "running standard deviation" in text_of(get_task("ant"), kind, training=scaled)
+    assert "algorithm" not in text_of(get_task("ant"), "reward").split("# Environment")[0]
+
+
+LENGTHS = {"morphology": 12_000, "reward": 13_000, "improve-morphology": 27_000}
+LENGTHS["improve-reward"] = 27_000
+"""Characters. Before there was a table, a prompt for an improvement had 36,000."""
+
+
+@EACH
+@pytest.mark.parametrize("kind", KINDS)
+def test_prompts_keep_to_a_length(task: Task, kind: str) -> None:
+    """A whole search of 62 designs, most of them stopped early, in the prompts of any task."""
+    names = [
+        Morphology(tuple(1.001**i * v for v in task.reference), f"idea {i}") for i in range(31)
+    ]
+    measured = [
+        dataclasses.replace(one, job=dataclasses.replace(one.job, steps=200 if i > 15 else 1000))
+        for i, one in enumerate(
+            evaluation(name, reward(weight, lines=12), 1.0 + i, task=task)
+            for i, name in enumerate(names)
+            for weight in (1, 2)
+        )
+    ]
+    facts = TrainingFacts("crossq", 300_000, 10, 0.995, 16, 5.0)
+    given = {"best": measured[15], "measured": measured} if "improve" in kind else {}
+    prompt = text_of(task, kind, training=facts, **given)
+    assert len(prompt) < LENGTHS[kind]
+    if given:
+        assert prompt.count("\n| ") - prompt.count("\n| ---") > 20
 
 
 def test_an_estimate_grows_with_the_search() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
-from robomore.designers.llm.history import HistorySettings
+from robomore.designers.llm.history import CurveOf, HistorySettings
 from robomore.designers.llm.parsing import (
     InvalidReply,
     RewardCheck,
@@ -22,6 +22,7 @@ from robomore.designers.llm.prompting import (
     render_prompt,
     repair_message,
 )
+from robomore.designers.llm.training_facts import TrainingFacts
 from robomore.errors import InputError, ModelUnavailable, ProposalFailed
 from robomore.llm import BudgetedClient, Exchange, Message, Request, Sampling
 from robomore.llm.trouble import Trouble, prompt_cut, trouble_with
@@ -84,6 +85,8 @@ class LLMDesigner:
         check: RewardCheck = check_reward,
         dry_run: RewardCheck | None = None,
         pictures: Pictures | None = None,
+        training: TrainingFacts | None = None,
+        curve_of: CurveOf = lambda key: None,
     ) -> None:
         """Make a designer for one task.
 
@@ -95,6 +98,9 @@ class LLMDesigner:
             check: checks the program text of a reward.
             dry_run: runs a reward on moving robots for a short time, or `None` for no dry run.
             pictures: draws the design to improve on, for a model that can see.
+            training: what trains, for the prompts.
+            curve_of: returns the learning curve of an evaluation by its key. It has to return the
+                same after an interruption, because prompts hold it.
         """
         self._task = task
         self._client = client
@@ -105,6 +111,8 @@ class LLMDesigner:
         self._check = check
         self._dry_run = dry_run
         self._pictures = pictures
+        self._training = training
+        self._curve_of = curve_of
         # Only requests run in parallel. Up to Python 3.12, `ast.parse` can fail when two threads
         # parse at once (cpython#106905), and parallel dry runs would slow each other down.
         self._lock = threading.Lock()
@@ -154,7 +162,14 @@ class LLMDesigner:
 
     def _prompt(self, kind: str, **given: Any) -> list[Message]:
         with self._lock:
-            return render_prompt(self._task, kind, objective=self._objective, **given)
+            return render_prompt(
+                self._task,
+                kind,
+                objective=self._objective,
+                training=self._training,
+                curve_of=self._curve_of,
+                **given,
+            )
 
     def _morphology(
         self, slot: Slot, prompt: Sequence[Message], taken: Sequence[Morphology]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from statistics import stdev
 
 from robomore.tasks.task import Task
-from robomore.types import Evaluation, Morphology, Reward, Status
+from robomore.types import Curve, Evaluation, Morphology, Reward, Status
 
 _LONGEST_DIAGNOSIS = 300
-_MOST_SINGLE_RESULTS = 6
-"""Results that are listed one by one. More results are summarized."""
+_CURVE_POINTS = (0.1, 0.25, 0.5, 0.75, 1.0)
+"""Parts of the training at which a learning curve is shown."""
 
 
 def morphology_lines(task: Task, morphology: Morphology) -> list[str]:
@@ -24,10 +24,12 @@ def reward_lines(reward: Reward) -> list[str]:
     return ["```python", reward.source.strip(), "```"]
 
 
-def evaluation_lines(evaluation: Evaluation, label: str, full: int = 0) -> list[str]:
+def evaluation_lines(
+    evaluation: Evaluation, label: str, full: int = 0, curve: Curve | None = None
+) -> list[str]:
     """Return all that an evaluation measured, or why it failed. The first line starts with `label`.
 
-    An evaluation with fewer training steps than `full` says so.
+    An evaluation with fewer training steps than `full` says so. `curve` is its learning curve.
     """
     if not evaluation.ok:
         return [f"{label}: {failure(evaluation)}"]
@@ -41,29 +43,26 @@ def evaluation_lines(evaluation: Evaluation, label: str, full: int = 0) -> list[
             for name, term in evaluation.terms.items()
         )
         lines.append(f"  Reward terms over training, mean (range): {terms}")
+    if curve is not None and (line := curve_line(curve)):
+        lines.append(line)
     return lines
 
 
-def summary_lines(evaluations: Sequence[Evaluation], label: str, full: int = 0) -> list[str]:
-    """Return a summary of several evaluations, separately for each number of training steps."""
-    failed = [e for e in evaluations if not e.ok]
-    lines: list[str] = []
-    for steps in sorted({e.job.steps for e in evaluations if e.ok}, reverse=True):
-        done = [e for e in evaluations if e.ok and e.job.steps == steps]
-        if len(done) <= _MOST_SINGLE_RESULTS:
-            lines += [f"{label}: {score(e, full)}" for e in done]
-            continue
-        efficiency = _range([e.efficiency or 0.0 for e in done])
-        fitness = _range([e.fitness or 0.0 for e in done])
-        lines.append(
-            f"{label}, {len(done)} times{_after(steps, full)}: efficiency {efficiency} m/m³, "
-            f"fitness {fitness} m"
-        )
-    if failed:
-        reasons = list(dict.fromkeys(failure(e) for e in failed))
-        lines.append(f"{label}, {len(failed)} of {len(evaluations)} failed, for example:")
-        lines += [f"  {reason}" for reason in reasons[:2]]
-    return lines
+def curve_line(curve: Curve) -> str:
+    """Return a few points of a learning curve in one line."""
+    last = len(curve.steps) - 1
+    points = sorted({round(share * last) for share in _CURVE_POINTS})
+    said = []
+    for name, words in (
+        ("episode_return", "return of an episode"),
+        ("episode_length", "its length in control steps"),
+    ):
+        series = curve.series.get(name, ())
+        values = [(curve.steps[i], series[i]) for i in points if i < len(series)]
+        shown = [f"{value:.4g} at {steps:,}" for steps, value in values if value is not None]
+        if shown:
+            said.append(f"{words} " + ", ".join(shown))
+    return f"  Learning curve by training steps: {'; '.join(said)}" if said else ""
 
 
 def score(evaluation: Evaluation, full: int = 0) -> str:
@@ -72,8 +71,11 @@ def score(evaluation: Evaluation, full: int = 0) -> str:
         "unknown" if value is None else f"{value:.4g}"
         for value in (evaluation.efficiency, evaluation.fitness, evaluation.volume)
     )
+    episodes = evaluation.episode_fitness
+    # The spread is that over the episodes of one trained policy.
+    spread = f" ± {stdev(episodes):.2g}" if len(episodes) > 1 else ""
     return (
-        f"efficiency {efficiency} m/m³ (fitness {fitness} m, volume {volume} m³)"
+        f"efficiency {efficiency} m/m³ (fitness {fitness}{spread} m, volume {volume} m³)"
         f"{_after(evaluation.job.steps, full)}"
     )
 
@@ -91,8 +93,3 @@ def failure(evaluation: Evaluation) -> str:
 
 def _after(steps: int, full: int) -> str:
     return f" after only {steps:,} of {full:,} training steps" if steps < full else ""
-
-
-def _range(values: list[float]) -> str:
-    values = sorted(values)
-    return f"{values[0]:.4g} to {values[-1]:.4g}, median {values[len(values) // 2]:.4g}"

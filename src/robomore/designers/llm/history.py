@@ -12,13 +12,13 @@ from robomore.designers.llm.formatting import (
     evaluation_lines,
     morphology_lines,
     reward_lines,
-    summary_lines,
 )
+from robomore.designers.llm.score_table import Numbers
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
 from robomore.tasks.task import Task
 from robomore.tasks.unit_space import UnitSpace
-from robomore.types import Design, Evaluation, Morphology, Reward
+from robomore.types import Curve, Design, Evaluation, Morphology, Reward
 
 RULES = {
     "best": "the best by score",
@@ -28,6 +28,9 @@ RULES = {
     "recent": "the latest",
 }
 """The names that a rule may hold, and the words for them in the prompt."""
+
+CurveOf = Callable[[str], Curve | None]
+"""Returns the learning curve of the evaluation with that key."""
 
 Features = frozenset[str] | tuple[float, ...]
 
@@ -41,7 +44,7 @@ class HistorySettings:
         rule: names of `RULES` joined by `+`. Each name in turn selects one entry.
     """
 
-    tokens: int = 8000
+    tokens: int = 4000
     rule: str = "best+worst+different+failed"
 
     def __post_init__(self) -> None:
@@ -87,7 +90,11 @@ class SelectedHistory:
 
 
 def morphology_entries(
-    task: Task, objective: str, current: Reward, history: Sequence[Evaluation]
+    task: Task,
+    objective: str,
+    current: Reward,
+    history: Sequence[Evaluation],
+    curve_of: CurveOf = lambda key: None,
 ) -> list[Entry]:
     """Return one entry for each morphology in `history`, oldest first."""
     space = UnitSpace(task)
@@ -96,7 +103,9 @@ def morphology_entries(
         objective,
         key=lambda design: design.morphology.parameters,
         is_current=lambda design: design.reward.source == current.source,
-        labels=("With the current reward", "With another reward"),
+        label="With the current reward",
+        partner=Numbers(history).reward,
+        curve_of=curve_of,
         heading="Morphology",
         describe=lambda design: morphology_lines(task, design.morphology),
         features=lambda design: tuple(space.units([design.morphology.parameters])[0].tolist()),
@@ -104,7 +113,10 @@ def morphology_entries(
 
 
 def reward_entries(
-    objective: str, current: Morphology, history: Sequence[Evaluation]
+    objective: str,
+    current: Morphology,
+    history: Sequence[Evaluation],
+    curve_of: CurveOf = lambda key: None,
 ) -> list[Entry]:
     """Return one entry for each reward in `history`, oldest first."""
     return _entries(
@@ -112,7 +124,9 @@ def reward_entries(
         objective,
         key=lambda design: design.reward.source,
         is_current=lambda design: design.morphology.parameters == current.parameters,
-        labels=("With the current morphology", "With another morphology"),
+        label="With the current morphology",
+        partner=Numbers(history).morphology,
+        curve_of=curve_of,
         heading="Reward",
         describe=lambda design: reward_lines(design.reward),
         features=lambda design: frozenset(re.findall(r"\w+|[^\w\s]", design.reward.source)),
@@ -177,7 +191,9 @@ def _entries(
     *,
     key: Callable[[Design], Hashable],
     is_current: Callable[[Design], bool],
-    labels: tuple[str, str],
+    label: str,
+    partner: Callable[[Design], str],
+    curve_of: CurveOf,
     heading: str,
     describe: Callable[[Design], list[str]],
     features: Callable[[Design], Features],
@@ -187,19 +203,20 @@ def _entries(
     # A design that was proposed twice was measured once.
     for evaluation in {e.key: e for e in history}.values():
         grouped[key(evaluation.design)].append(evaluation)
-    current, other = labels
     full, entries = full_steps(history), []
     for number, measured in enumerate(grouped.values(), start=1):
         design = measured[0].design
         here = [e for e in measured if is_current(e.design)]
         there = [e for e in measured if not is_current(e.design)]
         lines = [f"## {heading} {number}", *describe(design)]
-        lines += [line for e in here for line in evaluation_lines(e, current, full)]
+        lines += [line for e in here for line in evaluation_lines(e, label, full, curve_of(e.key))]
         # If none with the current partner succeeded, the best of the others is described in full.
+        # All the others stand in the table.
         if not any(e.ok for e in here) and (shown := _best_of(there, objective)):
-            lines += evaluation_lines(shown, f"{other}, its best", full)
-            there = [e for e in there if e is not shown]
-        text = "\n".join([*lines, *summary_lines(there, other, full)])
+            lines += evaluation_lines(
+                shown, f"With {partner(shown.design)}, its best", full, curve_of(shown.key)
+            )
+        text = "\n".join(lines)
         best = _best_of(measured, objective)
         score, steps = (best.score(objective), best.job.steps) if best else (None, 0)
         entries.append(Entry(text, score, features(design), steps))

@@ -13,20 +13,32 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from robomore.designers.llm.formatting import evaluation_lines, morphology_lines, reward_lines
+from robomore.designers.llm.formatting import (
+    evaluation_lines,
+    morphology_lines,
+    reward_lines,
+)
 from robomore.designers.llm.history import (
+    CurveOf,
     HistorySettings,
     full_steps,
     morphology_entries,
     reward_entries,
     select,
 )
+from robomore.designers.llm.robot_facts import episode_facts, robot_layout, volume_line
+from robomore.designers.llm.score_table import Numbers, score_table, spread_sentence
+from robomore.designers.llm.training_facts import TrainingFacts
 from robomore.errors import InputError
 from robomore.llm.model import Message
+from robomore.llm.tokens import estimate_tokens
 from robomore.tasks.task import Task
 from robomore.types import Evaluation, Morphology, Reward
 
 KINDS = ("morphology", "reward", "improve-morphology", "improve-reward")
+
+_TABLE_FRACTION = 0.5
+"""Part of the history's tokens that the table of all results may take."""
 
 _FITNESS = {
     "distance": "how far the torso gets in the direction of +x in an episode, in m, as a mean over "
@@ -51,6 +63,8 @@ def render_prompt(
     best: Evaluation | None = None,
     measured: Sequence[Evaluation] = (),
     settings: HistorySettings | None = None,
+    training: TrainingFacts | None = None,
+    curve_of: CurveOf = lambda key: None,
 ) -> list[Message]:
     """Return the messages that ask for one proposal.
 
@@ -63,6 +77,8 @@ def render_prompt(
         best: the evaluation to improve on. Only improvements use it.
         measured: the history. Only improvements use it.
         settings: how much of the history the prompt holds.
+        training: what trains, `None` to say nothing of it.
+        curve_of: returns learning curves. Only improvements use it.
 
     Raises:
         InputError: there is no such kind, or nothing to improve on.
@@ -70,11 +86,12 @@ def render_prompt(
     if kind not in KINDS:
         raise InputError(f"unknown prompt {kind!r}; choose one of {', '.join(KINDS)}")
     part = kind.removeprefix("improve-")
-    parts = [_base(task, part, objective)]
+    parts = [_base(task, part, objective, training)]
     if kind != part:
         if best is None:
             raise InputError(f"the prompt {kind!r} improves on something measured: name a run")
-        parts.append(_improve(task, part, objective, best, measured, settings or HistorySettings()))
+        history = settings or HistorySettings()
+        parts.append(_improve(task, part, objective, best, measured, history, curve_of))
     elif earlier:
         parts.append(_diversity(task, part, earlier))
     return [Message("system", render(f"role-{part}")), Message("user", "\n\n".join(parts))]
@@ -127,18 +144,25 @@ def _template(name: str) -> string.Template:
     return string.Template((folder / f"{name}.md").read_text(encoding="utf-8"))
 
 
-def _base(task: Task, part: str, objective: str) -> str:
+def _base(task: Task, part: str, objective: str, training: TrainingFacts | None) -> str:
     shared = {
         "description": task.description,
         "episode_steps": f"{task.episode_steps:,}",
         "fitness": _FITNESS[task.fitness],
         "objective": _OBJECTIVES[objective],
+        "training": f"{training}\n\n" if training else "",
+        "episodes": episode_facts(task),
     }
     if part == "reward":
         # This imports the simulator, which nothing else in this module needs.
         from robomore.envs.source import environment_source
 
-        return render("reward", environment=environment_source(task).strip(), **shared)
+        return render(
+            "reward",
+            environment=environment_source(task).strip(),
+            layout=robot_layout(task),
+            **shared,
+        )
     rows = [
         f"| {p.name} | {p.meaning} | {p.unit} | {p.low:g} | {p.high:g} |" for p in task.parameters
     ]
@@ -177,23 +201,52 @@ def _improve(
     best: Evaluation,
     measured: Sequence[Evaluation],
     settings: HistorySettings,
+    curve_of: CurveOf,
 ) -> str:
     design = best.design
     morphology, reward = morphology_lines(task, design.morphology), reward_lines(design.reward)
+    volume = volume_line(task, design.morphology)
+    numbers = Numbers(measured)
     if part == "morphology":
-        entries = morphology_entries(task, objective, design.reward, measured)
-        improved, partner = morphology, {"reward": design.reward.source.strip()}
+        entries = morphology_entries(task, objective, design.reward, measured, curve_of)
+        improved = [*morphology, volume]
+        partner = {"reward": design.reward.source.strip(), "partner": numbers.reward(design)}
     else:
-        entries = reward_entries(objective, design.morphology, measured)
-        improved, partner = reward, {"morphology": "\n".join(morphology)}
-    selected = select(entries, settings, "morphologies" if part == "morphology" else "rewards")
-    selection = selected.selection
+        entries = reward_entries(objective, design.morphology, measured, curve_of)
+        improved = reward
+        partner = {
+            "morphology": "\n".join([*morphology, volume]),
+            "partner": numbers.morphology(design),
+        }
     full = full_steps(measured)
+    table = score_table(
+        task,
+        objective,
+        measured,
+        numbers,
+        round(_TABLE_FRACTION * settings.tokens),
+        parameters=part == "morphology",
+    )
+    results = render(
+        "results",
+        table=table,
+        spread=spread_sentence(measured, objective),
+        rewards="\n".join(numbers.reward_ideas()),
+    )
+    # What was stopped early stands in the table, which says enough about it.
+    detailed = [entry for entry in entries if entry.score is None or entry.steps == full]
+    left = HistorySettings(max(0, settings.tokens - estimate_tokens(table)), settings.rule)
+    plural = "morphologies" if part == "morphology" else "rewards"
+    if len(detailed) < len(entries):
+        plural = f"fully trained or failed {plural}"
+    selected = select(detailed, left, plural)
+    selection = selected.selection
     if any(e.ok and e.job.steps < full for e in measured):
         selection += "\n\n" + render("fewer-steps", steps=f"{full:,}")
     return render(
         f"improve-{part}",
-        best="\n".join([*improved, *evaluation_lines(best, "Measured")]),
+        best="\n".join([*improved, *evaluation_lines(best, "Measured", curve=curve_of(best.key))]),
+        results=results,
         history=selected.entries,
         selection=selection,
         **partner,

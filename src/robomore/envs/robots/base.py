@@ -13,6 +13,7 @@ from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from robomore.envs.compile import compile_model
+from robomore.envs.opengl import ensure_opengl
 from robomore.tasks.task import Task
 
 Array = NDArray[np.float64]
@@ -73,6 +74,16 @@ class RobotEnvironment(MujocoEnv):
         observation, info = super().reset(seed=seed, options=options)
         return observation, info
 
+    def render(self) -> Any:
+        """Return a picture, or show it, as Gymnasium says of `render_mode`.
+
+        Raises:
+            InputError: there is no OpenGL that works here.
+        """
+        if self.render_mode not in (None, "human"):
+            ensure_opengl()
+        return super().render()  # type: ignore[no-untyped-call]  # Gymnasium's own
+
     def position_view(self, data: mujoco.MjData) -> Array | None:
         """Return a live view (1,) of the x position whose change is the x-velocity, in m.
 
@@ -122,6 +133,10 @@ class RobotEnvironment(MujocoEnv):
         return model, mujoco.MjData(model)
 
     def _get_rew(self, x_velocity: float, action: Array) -> tuple[float, Mapping[str, float]]:
+        # What a step leaves out; the official step computes the forces.
+        mujoco.mj_subtreeVel(self.model, self.data)
+        mujoco.mj_energyPos(self.model, self.data)
+        mujoco.mj_energyVel(self.model, self.data)
         known = set(vars(self))
         result = self._reward(self, x_velocity, action)
         self._reward_calls += 1

@@ -1,0 +1,27 @@
+"""What a designer may know of how designs are trained, from the settings of a run."""
+
+from __future__ import annotations
+
+from robomore.designers.llm.training_facts import TrainingFacts
+from robomore.settings import RunSettings
+from robomore.tasks import Task
+from robomore.training.settings import settings_from
+from robomore.training.tuned import resolve
+
+_NORMALIZATION = ("normalize_reward", "normalize_rewards", "norm_reward", "reward_normalization")
+"""Names under which trainers have the setting that rescales rewards."""
+
+
+def training_facts(settings: RunSettings, task: Task) -> TrainingFacts:
+    """Return how the designs of a search are trained on the robot of `task`."""
+    resolved = resolve(settings.trainer, task)
+    trainer = settings_from(resolved)
+    return TrainingFacts(
+        algorithm=resolved.name,
+        steps=settings.candidate.steps,
+        episodes=settings.candidate.episodes,
+        gamma=getattr(trainer, "gamma", None),
+        num_envs=trainer.num_envs,
+        episode_seconds=trainer.episode_seconds,
+        normalizes_reward=any(getattr(trainer, name, False) for name in _NORMALIZATION),
+    )
