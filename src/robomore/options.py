@@ -75,11 +75,11 @@ def with_options(
         if value is not None and value < 1:
             raise InputError(f"--{option} is {value}; give a number from 1 up")
     for option, limit, unit in (
-        ("max-volume", max_volume, "m^3"),
-        ("max-density", max_density, "kg/m^3"),
+        ("max-volume", max_volume, "m³"),
+        ("max-density", max_density, "kg/m³"),
     ):
         if limit is not None and not 0 < limit < math.inf:
-            raise InputError(f"--{option} is {limit}; give a positive number in {unit}")
+            raise InputError(f"--{option} is {limit:g}; give a positive number in {unit}")
     if objective is not None and objective not in get_args(Objective):
         raise InputError(
             f"--objective is {objective!r}; choose one of {', '.join(get_args(Objective))}"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, Literal, TypeVar
+from dataclasses import asdict, dataclass, fields, is_dataclass, replace
+from types import NoneType
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 import msgspec
 
@@ -199,4 +200,46 @@ def from_options(cls: type[T], options: Mapping[str, Any], owner: str) -> T:
     try:
         return msgspec.convert({**asdict(cls()), **options}, cls)  # type: ignore[call-overload]
     except msgspec.ValidationError as error:
+        hints = get_type_hints(cls, include_extras=True)
+        for name, value in options.items():
+            _ensure_takes(hints[name], value, f"{owner}: {name}")
         raise InputError(f"{owner}: {error}") from None
+
+
+def _ensure_takes(hint: Any, value: Any, name: str) -> None:
+    try:
+        msgspec.convert(value, hint)
+    except msgspec.ValidationError as error:
+        given = msgspec.json.encode(value).decode()
+        where = f" ({error})" if isinstance(value, list | dict) else ""
+        raise InputError(f"{name} is {given}; it takes: {in_words(hint)}{where}") from None
+
+
+def in_words(hint: Any) -> str:
+    """Return what values the type of an option takes, such as `whole number, at least 1`."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        base, *metas = parts
+        limits = [
+            f"{word} {value:g}"
+            for meta in metas
+            if isinstance(meta, msgspec.Meta)
+            for word, value in (
+                ("at least", meta.ge),
+                ("above", meta.gt),
+                ("at most", meta.le),
+                ("below", meta.lt),
+            )
+            if value is not None
+        ]
+        return ", ".join([in_words(base), *limits])
+    if origin is Literal:
+        return " or ".join(str(value) for value in parts)
+    if origin is tuple and parts[-1] is Ellipsis:
+        return f"list, each {in_words(parts[0])}"
+    if parts:
+        return "; or ".join(in_words(part) for part in parts)
+    if is_dataclass(hint):
+        return "{" + ", ".join(field.name for field in fields(hint)) + "}"
+    names = {int: "whole number", float: "number", str: "text", bool: "true or false"}
+    return "null" if hint in (NoneType, None) else names.get(hint, str(hint))

@@ -73,6 +73,8 @@ def test_mistakes_are_named() -> None:
         gymnasium.make("robomore/Ant-v0", parameters="tall")
     with pytest.raises(InvalidMorphology, match="takes 10"):
         gymnasium.make("robomore/Ant-v0", parameters=[1.0])
+    with pytest.raises(InvalidMorphology, match="the parameters are 1; give 10 numbers"):
+        gymnasium.make("robomore/Ant-v0", parameters=1)
     with pytest.raises(InvalidReward, match="does not parse"):
         gymnasium.make("robomore/Ant-v0", reward="def _get_rew(")
     with pytest.raises(InvalidReward, match="_get_rew"):
@@ -115,6 +117,12 @@ def test_a_picture_without_opengl_is_one_clear_error(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(opengl, "_works", lambda platform: False)
     with pytest.raises(InputError, match="no screen, and neither EGL nor OSMesa works"):
         made.render()
+    monkeypatch.setenv("MUJOCO_GL", "glfw")
+    opengl.ensure_opengl.cache_clear()
+    with pytest.raises(InputError, match="MUJOCO_GL=glfw does not work; set it to egl"):
+        made.render()
+    monkeypatch.setenv("MUJOCO_GL", "")
+    opengl.ensure_opengl.cache_clear()
     monkeypatch.setattr(opengl, "_works", lambda platform: platform == "osmesa")
     opengl.ensure_opengl()
     assert os.environ["MUJOCO_GL"] == "osmesa"

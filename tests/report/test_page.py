@@ -285,6 +285,13 @@ def test_learning_curves_show_every_seed_and_the_champions_terms(runs: dict[str,
     assert [name for _, name in terms.legend] == ["forward", "<b>effort"]
 
 
+def test_a_curve_of_one_point_is_a_dot(runs: dict[str, Run], monkeypatch: Any) -> None:
+    curve = Curve((100, 200), {"episode_return": (None, 1.5)})
+    monkeypatch.setattr(Run, "curve", lambda self, key: curve)
+    champion = learning_curves(runs["robomore"])[0]
+    assert champion.drawn.count("<circle") == 5
+
+
 def test_names_of_terms_are_shown_as_text(page: str) -> None:
     assert "&lt;b&gt;effort" in page
     assert "<b>effort" not in page

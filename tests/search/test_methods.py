@@ -74,8 +74,9 @@ def test_reference_tries_nothing_else() -> None:
     ("name", "options", "said"),
     [
         ("randon", {}, "Did you mean 'random'"),
-        ("random", {"samples": 0}, "samples"),
-        ("random", {"deviation": -1.0}, "deviation"),
+        ("random", {"samples": 0}, "samples is 0; it takes: whole number, at least 1; or null"),
+        ("random", {"samples": "x"}, 'samples is "x"; it takes: whole number'),
+        ("random", {"deviation": -1.0}, "deviation is -1.0; it takes: number, above 0"),
         ("reference", {"samples": 3}, "it takes none"),
     ],
 )

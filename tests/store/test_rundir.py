@@ -54,6 +54,26 @@ def test_another_run_is_refused_with_the_difference(
     RunFolder.prepare(tmp_path / "run", ASKED).release()
 
 
+@pytest.mark.parametrize("name", ["notes.txt", "checkpoints/mine.pt", "scratch/mine", "code/x.py"])
+def test_a_folder_with_files_of_its_owner_is_refused_and_left_as_it_is(
+    name: str, tmp_path: Path
+) -> None:
+    mine = tmp_path / name
+    mine.parent.mkdir(exist_ok=True)
+    mine.write_text("precious")
+    with pytest.raises(RunFolderError, match=r"is not empty .* name a new folder with --out"):
+        RunFolder.prepare(tmp_path, ASKED)
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == [mine]
+    assert mine.read_text() == "precious"
+
+
+def test_a_run_that_ended_before_its_manifest_was_written_may_begin_again(tmp_path: Path) -> None:
+    folder = RunFolder.prepare(tmp_path, ASKED)
+    folder.release()
+    folder.manifest.rename(tmp_path / ".run.json-1234.partial")
+    RunFolder.prepare(tmp_path, ASKED).release()
+
+
 def test_a_folder_in_use_is_refused(tmp_path: Path) -> None:
     held = RunFolder.prepare(tmp_path / "run", ASKED)
     with pytest.raises(RunFolderError, match="in use"):

@@ -5,14 +5,14 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from dataclasses import asdict, dataclass, fields, is_dataclass
-from types import NoneType
-from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+from dataclasses import asdict, dataclass, fields
+from typing import Annotated, Any, get_type_hints
 
 import msgspec
 from cyclopts import Parameter
 
 from robomore.cli.output import console, write_json
+from robomore.settings import in_words
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ def options_of(settings: type[Any]) -> list[Option]:
     return [
         Option(
             field.name,
-            _in_words(hints[field.name]),
+            in_words(hints[field.name]),
             msgspec.to_builtins(getattr(plain, field.name)),
             meanings.get(field.name, ""),
         )
@@ -106,33 +106,3 @@ def _docstrings(cls: type[Any]) -> dict[str, str]:
                 ):
                     found[name] = " ".join(said.split())
     return found
-
-
-def _in_words(hint: Any) -> str:
-    """Return what values a type takes."""
-    origin, parts = get_origin(hint), get_args(hint)
-    if origin is Annotated:
-        base, *metas = parts
-        limits = [
-            f"{word} {value:g}"
-            for meta in metas
-            if isinstance(meta, msgspec.Meta)
-            for word, value in (
-                ("at least", meta.ge),
-                ("above", meta.gt),
-                ("at most", meta.le),
-                ("below", meta.lt),
-            )
-            if value is not None
-        ]
-        return ", ".join([_in_words(base), *limits])
-    if origin is Literal:
-        return " or ".join(str(value) for value in parts)
-    if origin is tuple and parts[-1] is Ellipsis:
-        return f"list, each {_in_words(parts[0])}"
-    if parts:
-        return "; or ".join(_in_words(part) for part in parts)
-    if is_dataclass(hint):
-        return "{" + ", ".join(field.name for field in fields(hint)) + "}"
-    names = {int: "whole number", float: "number", str: "text", bool: "true or false"}
-    return "null" if hint in (NoneType, None) else names.get(hint, str(hint))

@@ -38,11 +38,13 @@ def ensure_opengl() -> None:
         if _works(platform):
             os.environ[PLATFORM] = platform
             return
-    tried = f"{PLATFORM}={given}" if given else "no screen, and neither EGL nor OSMesa"
+    if given:
+        tried = f"{PLATFORM}={given} does not work; set it to egl or osmesa"
+    else:
+        tried = "there is no screen, and neither EGL nor OSMesa works"
     raise InputError(
-        f"no picture can be rendered here: {tried} works; install one of them (libegl1 or "
-        f"libosmesa6 on Debian and Ubuntu), name one that works with {PLATFORM}, or draw without "
-        "OpenGL: robomore play RUN --drawn"
+        f"no picture can be rendered here: {tried}; install libegl1 or libosmesa6 (their names on "
+        "Debian and Ubuntu), or draw without OpenGL: robomore play RUN --drawn"
     )
 
 

@@ -49,8 +49,8 @@ def limited(task: Task, settings: RunSettings) -> Task:
     searched = replace(task, rules=(*task.rules, *rules))
     if start(searched) is None:
         raise InputError(
-            f"no scale of the radii brings the reference design of {task.id} within "
-            f"{' and '.join(rule.text for rule in rules)}; give larger limits"
+            f"no scale of the radii brings the reference design of {task.id} within these limits: "
+            f"{'; '.join(rule.text for rule in rules)}; give larger ones"
         )
     return searched
 

@@ -81,6 +81,11 @@ def _drawn(lines: Sequence[tuple[str, str, Curve, str]], y_name: str) -> str:
     y = axis_around([value for _, value in every], _HEIGHT - BOTTOM, TOP)
     parts = [axes(x, y, "control steps of training", y_name)]
     for name, kind, points in shown:
-        path = "L".join(f"{x.at(step):.1f} {y.at(value):.1f}" for step, value in points)
-        parts.append(tip(name, element("path", d=f"M{path}", klass=kind)))
+        places = [(x.at(step), y.at(value)) for step, value in points]
+        path = "L".join(f"{across:.1f} {down:.1f}" for across, down in places)
+        mark = element("path", d=f"M{path}", klass=kind)
+        if len(places) == 1:  # A path of one point draws nothing.
+            ((across, down),) = places
+            mark = element("circle", cx=across, cy=down, r=2, klass=kind)
+        parts.append(tip(name, mark))
     return figure(WIDTH, _HEIGHT, f"{y_name} over training", parts)

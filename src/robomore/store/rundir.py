@@ -77,6 +77,7 @@ class RunFolder:
         try:
             path.mkdir(parents=True, exist_ok=True)
             folder.refuse_links()
+            folder._refuse_foreign_files()
             for inner in (folder.artifacts, folder.checkpoints, folder.scratch):
                 folder.files.make(inner.name)
             # SQLite opens what it may not write to, and says nothing before it has to write.
@@ -133,6 +134,26 @@ class RunFolder:
                 self.files.kind(name)
         for name, depth in _FOLDERS.items():
             self.files.check(name, depth)
+
+    def _refuse_foreign_files(self) -> None:
+        """Refuse a folder that holds something and is no run's: a run empties folders in it.
+
+        What a run leaves that ended before its manifest was written is no obstacle.
+
+        Raises:
+            RunFolderError: naming what is there.
+        """
+        if self.files.is_file(self.manifest.name) or self.files.is_file(self.ledger.name):
+            return
+        begun = (self._lock.name, self._probe.name)
+        for name in self.files.names():
+            if name.startswith(".") or name in begun:
+                continue
+            if name not in _FOLDERS or self.files.names(name):
+                raise RunFolderError(
+                    f"{self.path} is not empty ({name} is in it) and not the folder of a run; "
+                    "name a new folder with --out"
+                )
 
     def release(self) -> None:
         """Let go of the lock."""

@@ -182,7 +182,12 @@ class Task:
                     f"{self.id}: {' and '.join(said)}; it takes {', '.join(self.names)}"
                 )
             parameters = [parameters[name] for name in self.names]
-        if isinstance(parameters, str) or len(parameters) != len(self.parameters):
+        if isinstance(parameters, str | bytes) or not hasattr(parameters, "__len__"):
+            raise InvalidMorphology(
+                f"{self.id}: the parameters are {parameters!r}; give {len(self.names)} numbers in "
+                f"the order {', '.join(self.names)}, or a mapping of these names"
+            )
+        if len(parameters) != len(self.parameters):
             raise InvalidMorphology(
                 f"{self.id}: {len(parameters)} parameters given, it takes {len(self.parameters)} "
                 f"({', '.join(self.names)})"
