@@ -144,6 +144,7 @@ def test_every_mistake_is_one_line_and_status_2(
         (KeyboardInterrupt(), 130, "stopped"),
         (NothingTrained("all 4 candidates failed"), 1, "all 4 candidates failed"),
         (OSError(28, "No space left on device"), 1, "No space left"),
+        (ModuleNotFoundError("No module", name="cmaes"), 1, "'cmaes' is missing; install"),
         (ZeroDivisionError("division\nby zero"), 1, "--debug"),
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 
 from rich.console import Console
@@ -80,6 +81,15 @@ def test_the_live_view_can_be_drawn_at_any_moment(clock: Clock) -> None:
     for event in (BEGAN, BatchBegan(GRID, 0), started, BatchBegan((LATER,), 0)):
         view(event)
         Console(file=io.StringIO()).print(view)
+
+
+def test_the_score_that_is_compared_comes_first(state: RunState) -> None:
+    assert re.search(r"best +\S+ m/m³ = \S+ m / \S+ m³", shown(state))
+    assert state.run is not None
+    settings = replace(state.run.settings, objective="fitness")
+    state(replace(state.run, settings=settings))
+    best = next(line for line in shown(state).splitlines() if line.startswith("best"))
+    assert re.search(r"best +\S+ m; \S+ m / \S+ m³ = \S+ m/m³", best)
 
 
 def test_plain_lines_tell_stages_bests_and_failures_but_not_everything(clock: Clock) -> None:

@@ -12,6 +12,7 @@ from robomore.studies import STUDIES
 def test_without_a_name_all_studies_are_listed(robomore_: Command) -> None:
     said = robomore_("study")
     assert said.status == 0
+    assert "[bold]" not in said.out
     assert all(name in said.out and STUDIES.get(name).summary in said.out for name in STUDIES)
 
 

@@ -179,7 +179,10 @@ def test_changing_its_action_or_an_official_attribute_stays_without_effect() -> 
         ("(10 ** 400, {})", "int"),
         ("(1.0, None)", "None in the place of the terms"),
         ("(1.0, [1.0])", "list [1.0]"),
-        ("(float('nan'), {'a': 1.0})", "was nan with the terms the dict {'a': 1.0}"),
+        (
+            "(float('nan'), {'a': 1.0})",
+            "was nan; it must be finite; it returned the dict {'a': 1",
+        ),
         ("(-np.inf, {})", "was -inf"),
         ("(np.array([np.nan]), {})", "was nan"),
     ],
@@ -190,6 +193,12 @@ def test_what_is_no_reward_is_refused_in_words(returned: str, said: str) -> None
     message = str(failed.value)
     assert said in message
     assert "qpos = [" in message and "x_velocity = " in message and "action = [" in message
+
+
+def test_a_misspelt_name_comes_with_the_one_that_was_meant() -> None:
+    for returned, meant in (("math.sqr(1), {}", "sqrt"), ("x_velocty, {}", "x_velocity")):
+        with pytest.raises(RewardFailed, match=f"Did you mean: '{meant}'"):
+            run(f"return {returned}")
 
 
 @pytest.mark.parametrize(

@@ -66,9 +66,7 @@ def test_density_is_known_with_and_without_compiling() -> None:
 def test_limits_that_nothing_keeps_and_jumps_that_transport_nothing_are_refused(
     tmp_path: Path,
 ) -> None:
-    with pytest.raises(
-        InputError, match=r"limits: the volume .* 1e-07 m\^3; give larger"
-    ):
+    with pytest.raises(InputError, match=r"limits: the volume .* 1e-07 m\^3; give larger"):
         run("swimmer", with_options(SMOKE, max_volume=1e-7), out=tmp_path / "a")
     with pytest.raises(InputError, match="transports nothing"):
         run("ant-jump", with_options(SMOKE, objective="transport-economy"), out=tmp_path / "b")

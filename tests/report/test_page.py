@@ -37,7 +37,7 @@ from robomore.runs.words import with_interval
 from robomore.settings import FinalSettings
 from robomore.store import Ledger
 from robomore.store.schema import Proposal
-from robomore.types import Design, Place, Slot, Status
+from robomore.types import Curve, Design, Place, Slot, Status
 
 TIMES = "\N{MULTIPLICATION SIGN}"
 _VOID = {"meta", "br", "link", "img", "hr", "input"}
@@ -285,7 +285,9 @@ def test_learning_curves_show_every_seed_and_the_champions_terms(runs: dict[str,
     assert [name for _, name in terms.legend] == ["forward", "<b>effort"]
 
 
-def test_a_curve_of_one_point_is_a_dot(runs: dict[str, Run], monkeypatch: Any) -> None:
+def test_a_curve_of_one_point_is_a_dot(
+    runs: dict[str, Run], monkeypatch: pytest.MonkeyPatch
+) -> None:
     curve = Curve((100, 200), {"episode_return": (None, 1.5)})
     monkeypatch.setattr(Run, "curve", lambda self, key: curve)
     champion = learning_curves(runs["robomore"])[0]

@@ -7,7 +7,7 @@ import pytest
 
 from robomore.envs.vector_env import VectorEnv
 from robomore.evaluation.measure import measure
-from robomore.runs.words import LABELS, duration, label, measured, number
+from robomore.runs.words import LABELS, duration, in_unit, label, measured, number
 from robomore.tasks import get_task
 from robomore.training.policy import MLPPolicy
 
@@ -60,3 +60,9 @@ def test_numbers_have_four_digits(value: float | None, said: str) -> None:
 
 def test_durations_are_told_as_people_say_them() -> None:
     assert [duration(s) for s in (42.0, 200.0, 7_500.0)] == ["42 s", "3 min 20 s", "2 h 05 min"]
+
+
+def test_a_score_has_its_unit_or_its_name() -> None:
+    assert in_unit(2.0, "efficiency") == "2.000 m/m³"
+    assert in_unit(2.0, "fitness") == "2.000 m"
+    assert in_unit(2.0, "transport-economy") == "2.000 (transport economy)"

@@ -121,6 +121,12 @@ def _ending(error: BaseException, given: Sequence[str]) -> tuple[str, int]:
             return _one_line(error), FAILED
         case _ if _is_interrupted(error):
             return "stopped", INTERRUPTED
+        case ModuleNotFoundError(name=str(missing)) if not missing.startswith("robomore"):
+            return (
+                f"the package {missing!r} is missing; install RoboMoRe anew into this "
+                "environment (pip install . in its folder), which installs what it needs",
+                FAILED,
+            )
     return (
         f"a fault of RoboMoRe itself: {type(error).__name__}: {_one_line(error)}; "
         "run it again with --debug to see where",

@@ -18,7 +18,7 @@ from rich.text import Text
 from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.monitor import RunState
-from robomore.runs.words import EFFICIENCY_UNIT, duration, number
+from robomore.runs.words import duration, in_unit, number
 from robomore.text import one_line
 from robomore.types import Evaluation, Place
 
@@ -185,10 +185,14 @@ def _where(state: RunState, place: Place) -> str:
 
 
 def _told(state: RunState, evaluation: Evaluation, place: Place) -> str:
-    return (
-        f"{number(evaluation.efficiency)} {EFFICIENCY_UNIT} = {number(evaluation.fitness)} m / "
-        f"{number(evaluation.volume)} m³ ({_where(state, place)})"
-    )
+    said = f"{number(evaluation.fitness)} m / {number(evaluation.volume)} m³"
+    efficiency = in_unit(evaluation.efficiency, "efficiency")
+    if state.objective == "efficiency":
+        said = f"{efficiency} = {said}"
+    else:
+        score = in_unit(evaluation.score(state.objective), state.objective)
+        said = f"{score}; {said} = {efficiency}"
+    return f"{said} ({_where(state, place)})"
 
 
 def _times(state: RunState) -> str:

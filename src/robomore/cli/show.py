@@ -115,7 +115,7 @@ def _chosen(path: Path, evaluation: str | None, reference: bool) -> Run:
 
 
 def _print_head(screen: Console, run: Run) -> None:
-    from robomore.runs.words import number, unit_of, with_interval
+    from robomore.runs.words import in_unit, with_interval
 
     manifest = run.manifest
     designer = f", designer {manifest.designer}" if manifest.designer else ""
@@ -133,8 +133,7 @@ def _print_head(screen: Console, run: Run) -> None:
         first = champion.evaluations[0]
         screen.print(f"{champion.name}: {first.status}. {first.diagnosis}")
     elif run.headline is None:
-        said = f"{champion.name}: {number(score.mean)} {unit_of(run.objective)}"
-        screen.print(said)
+        screen.print(f"{champion.name}: {in_unit(score.mean, run.objective)}")
     else:
         ratio = with_interval(run.headline, digits=3)
         screen.print(
@@ -188,7 +187,7 @@ def _print_pairs(screen: Console, run: Run) -> None:
     if run.pairs is None:
         return
     table = Table(box=None, pad_edge=False)
-    table.add_column(f"final: {run.objective} {unit_of(run.objective)}")
+    table.add_column(f"final: {run.objective} {unit_of(run.objective)}".rstrip())
     for reward in run.pairs.rewards:
         table.add_column(reward, justify="right")
     for morphology, row in zip(run.pairs.morphologies, run.pairs.cells, strict=True):

@@ -61,8 +61,9 @@ def study(
     if name is None:
         screen = console()
         for known, found in STUDIES.items():
-            screen.print(f"[bold]{known}[/]  {found.summary}")
-            screen.print(f"  {', '.join(one.name for one in found.arms)}", markup=False)
+            screen.print(known, style="bold", end="")
+            screen.print(f"  {found.summary}")
+            screen.print(f"  {', '.join(one.name for one in found.arms)}")
         return
     wanted = STUDIES.get(name)
     machine = machine or Machine()

@@ -88,7 +88,7 @@ def _write_csv(rows: list[Row], path: Path) -> None:
 def _print(runs: tuple[Run, ...]) -> None:
     from rich.table import Table
 
-    from robomore.runs.words import duration, number, unit_of, with_interval
+    from robomore.runs.words import duration, in_unit, with_interval
 
     screen = console()
     table = Table(box=None, pad_edge=False)
@@ -105,7 +105,7 @@ def _print(runs: tuple[Run, ...]) -> None:
             manifest.task,
             manifest.settings.method.name,
             str(manifest.seed),
-            f"{number(score.mean)} {unit_of(run.objective)}" if score else "-",
+            in_unit(score.mean, run.objective) if score else "-",
             ratio if run.final else "not finished",
             f"{run.search_steps:,}",
             duration(run.cost.core_seconds),

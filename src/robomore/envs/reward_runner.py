@@ -213,6 +213,10 @@ class RewardRunner:
             if frame.f_code.co_filename in files
         ]
         said = f"{type(error).__name__}: {str(error)[:_LONGEST]}"
+        if isinstance(error, AttributeError | NameError):
+            # Python finds the name that was meant only when it formats a traceback.
+            formatted = traceback.TracebackException.from_exception(error)
+            said = "".join(formatted.format_exception_only()).strip()[:_LONGEST]
         if not frames:
             return said
         filename, number = frames[-1]
@@ -261,7 +265,7 @@ def _fault(result: Any) -> str:
         if part is not None and not math.isfinite(part)
     ]
     which = f" (the term {', '.join(faulty[:3])})" if faulty else ""
-    return f"was {number}{which} with the terms {_shown(terms)}; it must be finite;"
+    return f"was {number}{which}; it must be finite; it returned {_shown(terms)};"
 
 
 def _shown(value: Any) -> str:

@@ -8,7 +8,7 @@ from robomore.report.svg import Axis, axes, axis_around, element, figure, text, 
 from robomore.runs import Run
 from robomore.runs.lineage import Record
 from robomore.runs.progress import progress
-from robomore.runs.words import EFFICIENCY_UNIT, label, number, short, unit_of
+from robomore.runs.words import EFFICIENCY_UNIT, in_unit, label, number, short
 
 WIDTH, HEIGHT = 400.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 12.0, 28.0, 42.0
@@ -54,7 +54,7 @@ def best_so_far(run: Run) -> str:
     path = f"M{x.at(points[0].steps):.1f} {y.at(points[0].best):.1f}"
     for point in points:
         place = point.record.place
-        said = f"{run.plan.describe(place)}: {number(point.score)} {unit_of(run.objective)}"
+        said = f"{run.plan.describe(place)}: {in_unit(point.score, run.objective)}"
         parts.append(
             tip(
                 said,

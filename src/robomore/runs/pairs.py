@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from robomore.runs.words import number, unit_of
+from robomore.runs.words import in_unit, number
 from robomore.statistics.spread import FEWEST
 
 if TYPE_CHECKING:
@@ -84,8 +84,8 @@ def _verdict(run: Run, cells: tuple[tuple[TrainedDesign, ...], ...]) -> tuple[st
         return min(known[one].values) > max(known[other].values)
 
     def alike(one: str, other: str) -> str:
-        means = f"{number(known[one].mean)} against {number(known[other].mean)}"
-        return f"({means} {unit_of(run.objective)}, and their seeds overlap)"
+        mean = in_unit(known[other].mean, run.objective)
+        return f"({number(known[one].mean)} against {mean}, and their seeds overlap)"
 
     if not better(champion, "reference"):
         return (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from robomore.runs.lineage import best_of
-from robomore.runs.words import number, unit_of
+from robomore.runs.words import in_unit, number
 from robomore.statistics.spread import FEWEST
 
 if TYPE_CHECKING:
@@ -93,10 +93,9 @@ def _about_training_anew(run: Run) -> list[str]:
     seen = best.score(run.objective) if best else None
     if measured is None or not seen or measured.mean >= _WINNERS_CURSE * seen:
         return []
-    unit = unit_of(run.objective)
     return [
-        f"The search saw {number(seen)} {unit}, training anew gave {number(measured.mean)}: the "
-        "best of many noisy numbers is partly luck."
+        f"The search saw {in_unit(seen, run.objective)}, training anew gave "
+        f"{number(measured.mean)}: the best of many noisy numbers is partly luck."
     ]
 
 

@@ -32,6 +32,12 @@ def unit_of(objective: str) -> str:
     return {"efficiency": EFFICIENCY_UNIT, "fitness": "m"}.get(objective, "")
 
 
+def in_unit(value: float | None, objective: str) -> str:
+    """Return a score with its unit, or with its name where it has no unit."""
+    unit = unit_of(objective) or f"({objective.replace('-', ' ')})"
+    return f"{number(value)} {unit}"
+
+
 def with_interval(measured: Spread, unit: str = "", digits: int = 4) -> str:
     """Return a mean as it is told everywhere: with its interval, or with all its values.
 
