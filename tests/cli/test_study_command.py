@@ -1,0 +1,45 @@
+"""`study`: lists, plans, refuses, and ends with its tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import untrained  # noqa: F401  # makes its executor known
+from cli.commands import Command
+from robomore.studies import STUDIES
+
+
+def test_without_a_name_all_studies_are_listed(robomore_: Command) -> None:
+    said = robomore_("study")
+    assert said.status == 0
+    assert all(name in said.out and STUDIES.get(name).summary in said.out for name in STUDIES)
+
+
+def test_a_plan_starts_nothing(robomore_: Command, tmp_path: Path) -> None:
+    words = ("study", "ablation", "hopper", "--preset", "quick", "--seeds", "2", "--plan")
+    said = robomore_(*words, "--out", str(tmp_path / "study"))
+    assert said.status == 0
+    assert "hopper-without-reward-s1" in said.out
+    assert "12 runs, at most 2,400,000 control steps of search" in said.out
+    assert not (tmp_path / "study").exists()
+
+
+def test_one_arm_runs_and_its_table_is_told(robomore_: Command, tmp_path: Path) -> None:
+    words = ("study", "comparison", "swimmer", "--preset", "smoke", "--seeds", "1")
+    words = (*words, "--arm", "reference", "--executor", "untrained", "--out", str(tmp_path))
+    said = robomore_(*words)
+    assert said.status == 0, said.err
+    assert "run 1 of 1: swimmer-reference-s0" in said.err
+    assert "| swimmer | reference |" in said.out
+    assert (tmp_path / "tables" / "found.tex").is_file()
+
+
+def test_what_cannot_be_used_is_refused(robomore_: Command) -> None:
+    for words, told in (
+        (("comparsion",), "Did you mean 'comparison'"),
+        (("comparison", "--arm", "cma"), "has no arm 'cma'"),
+        (("comparison", "--preset", "fast"), "no preset is called 'fast'"),
+        (("comparison", "--seeds", "0"), "--seeds is 0"),
+    ):
+        said = robomore_("study", *words)
+        assert said.status == 2 and told in said.err, words
