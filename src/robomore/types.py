@@ -17,6 +17,7 @@ from robomore.text import encodable
 
 _NAME = re.compile(r"\w[\w.-]{0,99}", re.ASCII)
 """Keys of evaluations, which are names of folders too."""
+_MOST_STEPS = 2**53
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,6 +231,8 @@ class Evaluation:
         )
         if not all(map(math.isfinite, numbers)):
             raise ValueError("one of its numbers is not finite")
+        if not 0 <= self.steps < _MOST_STEPS or not 0 <= self.job.steps < _MOST_STEPS:
+            raise ValueError("so many steps nobody trains")
         if not _NAME.fullmatch(self.key) or not _NAME.fullmatch(self.artifact or self.key):
             raise ValueError(f"key {self.key!r} or artifact {self.artifact!r} is no plain name")
 

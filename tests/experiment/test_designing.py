@@ -38,7 +38,7 @@ def test_what_trains_is_that_of_the_robot() -> None:
     quick = preset("quick")
     facts = training_facts(quick, SWIMMER)
     assert (facts.algorithm, facts.gamma, facts.steps) == ("crossq", 0.999, quick.candidate.steps)
-    assert facts.num_envs and facts.episodes == quick.candidate.episodes
+    assert facts.normalizes_reward and facts.num_envs and facts.episodes == quick.candidate.episodes
     paper = training_facts(with_trainer(quick, "sac", {"gamma": 0.9}), get_task("hopper"))
     assert (paper.algorithm, paper.gamma, paper.episode_seconds) == ("sac", 0.9, None)
     assert "about 10 control steps ahead" in str(paper)

@@ -65,10 +65,12 @@ class Replay:
         return given
 
 
-def continued(source: str, folder: Path | None = None) -> tuple[list[list[float]], Replay]:
+def continued(
+    source: str, folder: Path | None = None, pauses: tuple[int, ...] = (5, 20), steps: int = STEPS
+) -> tuple[list[list[float]], Replay]:
     """Return the rewards of a motion that is interrupted, through a checkpoint in `folder`."""
     replay, given = Replay(source), []
-    for part in np.split(np.arange(STEPS), (5, 20)):
+    for part in np.split(np.arange(steps), pauses):
         given += replay.rewards(part.tolist())
         state = replay.runner.state()
         states = [one.bit_generator.state for one in replay.generators]
@@ -106,8 +108,8 @@ def test_what_is_kept_is_of_one_simulation(place: str) -> None:
 def test_all_that_can_be_held_in_a_place_survives(holder: str) -> None:
     for content in CONTENTS:
         source = held(holder, content)
-        expected = Replay(source).rewards(range(STEPS))
-        assert continued(source)[0] == expected, content
+        expected = Replay(source).rewards(range(18))
+        assert continued(source, pauses=(8,), steps=18)[0] == expected, content
 
 
 @pytest.mark.parametrize("place", ["list in a closure", "dataclass", "one list, two names"])

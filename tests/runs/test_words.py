@@ -45,7 +45,14 @@ def test_a_share_is_told_in_percent() -> None:
 
 @pytest.mark.parametrize(
     ("value", "said"),
-    [(12_345.6, "12,350"), (0.0, "0"), (None, "-"), (float("nan"), "-"), (-0.0123456, "-0.01235")],
+    [
+        (12_345.6, "12,350"),
+        (0.0, "0"),
+        (None, "-"),
+        (float("nan"), "-"),
+        (-0.0123456, "-0.01235"),
+        (3.17e67, "3.170e+67"),
+    ],
 )
 def test_numbers_have_four_digits(value: float | None, said: str) -> None:
     assert number(value) == said

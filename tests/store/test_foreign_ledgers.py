@@ -78,6 +78,7 @@ UNREADABLE = {
     "exchanges": ("k9", b"[]"),
     "events": (9, "cut", b'{"place": null}'),
 }
+"""A row that is whole, and that nobody can read."""
 
 
 @pytest.mark.parametrize("table", TABLES)
@@ -134,3 +135,14 @@ def test_text_that_cannot_be_encoded_is_replaced_and_never_stops_a_run(path: Pat
         assert [p.failure for p in ledger.proposals()] == ["", "a\ufffdb", ""]
         assert ledger.evaluations()[-1].diagnosis == "a\ufffdb"
         assert exchanges.all()[0].reply == "a\ufffdb"
+
+
+@pytest.mark.parametrize("body", [None, b"[" * 100_000], ids=["no value", "nested without end"])
+def test_a_body_that_is_none_or_without_end_is_damaged(path: Path, body: bytes | None) -> None:
+    columns = ("k9", body, 0.0)
+    with closing(sqlite3.connect(path)) as db, db:
+        db.execute("INSERT INTO exchanges VALUES (?, ?, ?, ?)", (*columns, digest(columns)))
+    with pytest.raises(LedgerDamaged):
+        Ledger(path, read_only=True)
+    with closing(LedgerExchanges(path, read_only=True)) as exchanges, pytest.raises(LedgerDamaged):
+        exchanges.all()

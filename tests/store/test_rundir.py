@@ -104,3 +104,20 @@ def test_a_newer_manifest_is_refused(tmp_path: Path) -> None:
 def test_a_folder_without_a_run_is_named(tmp_path: Path) -> None:
     with pytest.raises(RunFolderError, match="not a run folder"):
         RunFolder.existing(tmp_path)
+
+
+def test_a_plan_too_large_to_be_drawn_is_refused(tmp_path: Path) -> None:
+    folder = RunFolder.prepare(
+        tmp_path / "run",
+        replace(ASKED, plan=Plan((Stage(name="grid", axes=("a", "b"), shape=(10**5, 10**5)),))),
+    )
+    folder.release()
+    with pytest.raises(RunFolderError, match="more than 1,000,000 places"):
+        Manifest.load(folder.manifest)
+
+
+def test_a_lock_that_is_no_lock_is_named(tmp_path: Path) -> None:
+    RunFolder.prepare(tmp_path / "run", ASKED).release()
+    (tmp_path / "run" / "lock").write_bytes(b"no database at all" * 100)
+    with pytest.raises(RunFolderError, match="remove that file"):
+        RunFolder.prepare(tmp_path / "run", ASKED)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -88,8 +89,8 @@ def print_outcome(run: Run) -> None:
     _print_warnings(screen, run)
     write(
         f"\nreport:   {run.folder / 'report.html'}\n"
-        f"watch:    robomore play {run.folder}\n"
-        f"details:  robomore show {run.folder}\n"
+        f"watch:    robomore play {quote(str(run.folder))}\n"
+        f"details:  robomore show {quote(str(run.folder))}\n"
     )
 
 

@@ -27,7 +27,7 @@ from robomore.rewards.check import check_reward
 from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.tasks import TASKS, Task
 from robomore.tasks.fingerprint import task_key
-from robomore.text import to_json
+from robomore.text import one_line, to_json
 from robomore.training.checkpoint import drop_older
 from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.policy import MLPPolicy
@@ -125,7 +125,9 @@ def _evaluate(
         training = believed(trained.reply)
         policy = choose(task, parameters, _policies(job, robot, scratch), job.seed)
     except ValueError as error:
-        said = f"training ended without a fault and left nothing that can be used: {error}"
+        # The names of files that it left may stand in the reason.
+        why = one_line(str(error))
+        said = f"training ended without a fault and left nothing that can be used: {why}"
         failed = Evaluation(key, job, Status.CRASHED, said, body=body, seconds=trained.seconds)
         return failed, None
     measured = measure(task, parameters, policy, job.episodes, job.seed)

@@ -8,9 +8,6 @@ from robomore.tasks import Task
 from robomore.training.settings import settings_from
 from robomore.training.tuned import resolve
 
-_NORMALIZATION = ("normalize_reward", "normalize_rewards", "norm_reward", "reward_normalization")
-"""Names under which trainers have the setting that rescales rewards."""
-
 
 def training_facts(settings: RunSettings, task: Task) -> TrainingFacts:
     """Return how the designs of a search are trained on the robot of `task`."""
@@ -23,5 +20,5 @@ def training_facts(settings: RunSettings, task: Task) -> TrainingFacts:
         gamma=getattr(trainer, "gamma", None),
         num_envs=trainer.num_envs,
         episode_seconds=trainer.episode_seconds,
-        normalizes_reward=any(getattr(trainer, name, False) for name in _NORMALIZATION),
+        normalizes_reward=getattr(trainer, "normalize_rewards", False),
     )

@@ -19,7 +19,10 @@ def command_line(manifest: Manifest) -> str | None:
     """
     preset = manifest.preset.split("-")[0]
     options = changes(preset, manifest.settings)
-    model = _model_options(manifest)
+    try:
+        model = _model_options(manifest)
+    except (KeyError, TypeError, AttributeError):  # settings that no RoboMoRe wrote
+        return None
     if options is None or model is None:
         return None
     words = ["robomore", "run", manifest.task, "--preset", preset]

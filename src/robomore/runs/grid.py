@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from robomore.errors import RunFolderError
 from robomore.plan import Stage
 from robomore.runs.empty import lines_without
 from robomore.types import Evaluation
 
 if TYPE_CHECKING:
     from robomore.runs.run import Run
+
+
+_MOST_CELLS = 10**6
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,11 +60,11 @@ def _grid(run: Run, stage: Stage) -> Grid:
     cells = {
         place.index[:2]: Cell(reason=f"not tried: {reason}")
         for place, reason in run.untried.items()
-        if place.stage == stage.name
+        if place.stage == stage.name and len(place.index) > 1
     } | {
         record.place.index[:2]: Cell(record.evaluation, id(record) in cut)
         for record in run.records
-        if record.place.stage == stage.name
+        if record.place.stage == stage.name and len(record.place.index) > 1
     }
     rows, columns = (
         max([size, *(index[axis] + 1 for index in cells)])
@@ -68,6 +72,11 @@ def _grid(run: Run, stage: Stage) -> Grid:
     )
     no_row = lines_without(run.empty, "morphology", stage)
     no_column = lines_without(run.empty, "reward", stage)
+    if rows * columns > _MOST_CELLS:
+        raise RunFolderError(
+            f"{run.folder} has {rows} x {columns} pairs in the stage {stage.name!r}, more than "
+            f"{_MOST_CELLS:,}; do not believe this run folder"
+        )
     return Grid(
         stage=stage,
         shape=(rows, columns),

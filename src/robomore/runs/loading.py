@@ -85,9 +85,13 @@ def _groups(
     found = {}
     for role in ROLES:
         keys = finished.get(role)
-        if not isinstance(keys, list) or not keys or any(key not in by_key for key in keys):
+        if (
+            not isinstance(keys, list)
+            or not keys
+            or not by_key.keys() >= {str(key) for key in keys}
+        ):
             return {}
-        found[role] = trained_design(role, task, [by_key[key] for key in keys])
+        found[role] = trained_design(role, task, [by_key[str(key)] for key in keys])
     return found
 
 

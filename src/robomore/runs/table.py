@@ -106,9 +106,12 @@ def write_parquet(found: Sequence[Row], path: Path) -> None:
         raise cannot_write(path, error, "name another file") from None
 
 
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a row whose texts no spreadsheet takes for a formula."""
     return {
-        name: f"'{value}" if isinstance(value, str) and value[:1] in ("=", "+", "-", "@") else value
+        name: f"'{value}" if isinstance(value, str) and value[:1] in _FORMULA else value
         for name, value in row.items()
     }

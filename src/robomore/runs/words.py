@@ -10,13 +10,13 @@ EFFICIENCY_UNIT = "m/m³"
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Return `value` with so many significant digits, thousands apart, never as 1e+04."""
+    """Return `value` with so many significant digits, thousands apart, as 1e+12 from there on."""
     if value is None or not math.isfinite(value):
         return "-"
     if value == 0:
         return "0"
     places = digits - 1 - math.floor(math.log10(abs(value)))
-    if places > 8:
+    if places > 8 or places < digits - 12:
         return f"{value:.{digits - 1}e}"
     rounded = round(value, places)
     return f"{rounded:,.{max(0, places)}f}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import platform
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
@@ -21,6 +22,8 @@ FORMAT = 3
 """Raised when a run folder's layout changes."""
 
 _MOST_BYTES = 2**24
+_MOST_PLACES = 10**6
+"""In one stage of a plan; the page draws a cell for each."""
 _DIGEST = "digest"
 """Stands last in the file: half of the SHA-256 of all the rest, by which damage is found."""
 
@@ -83,16 +86,19 @@ class Manifest:
         """
         try:
             fields = msgspec.json.decode(read_plain(path, _MOST_BYTES), type=dict[str, Any])
-            found = fields.get("format")
-            if isinstance(found, int) and found != FORMAT:
-                remedy = "a newer RoboMoRe" if found > FORMAT else "the RoboMoRe that wrote it"
+            version = fields.get("format")
+            if isinstance(version, int) and version != FORMAT:
+                remedy = "a newer RoboMoRe" if version > FORMAT else "the RoboMoRe that wrote it"
                 raise RunFolderError(
-                    f"{path} has format {found}, this version of RoboMoRe reads {FORMAT}; "
+                    f"{path} has format {version}, this version of RoboMoRe reads {FORMAT}; "
                     f"install {remedy}, or choose another folder with --out"
                 )
             if fields.pop(_DIGEST, None) != _digest(fields):
                 raise ValueError("it does not match its digest")
-            return msgspec.convert(fields, cls)
+            found = msgspec.convert(fields, cls)
+            if any(math.prod(stage.shape) > _MOST_PLACES for stage in found.plan.stages):
+                raise ValueError(f"a stage has more than {_MOST_PLACES:,} places")
+            return found
         except OSError as error:
             raise RunFolderError(f"{path} cannot be read ({error.strerror})") from None
         except (ValueError, RecursionError) as error:

@@ -126,7 +126,7 @@ class Rows:
     def _decode(self, body: bytes | str, kind: type[T]) -> T:
         try:
             return msgspec.json.decode(body, type=kind)
-        except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        except (ValueError, TypeError, RecursionError) as error:
             raise self.damaged(error) from None
 
     def _execute(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:

@@ -81,6 +81,8 @@ def check_row(table: str, row: tuple[Any, ...]) -> None:
     Raises:
         ValueError: saying why.
     """
+    if None in row:
+        raise ValueError(f"a row of {table} has a column without a value")
     try:
         _CHECKS[table](*row[: _COLUMNS[table]])
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError, TypeError) as error:

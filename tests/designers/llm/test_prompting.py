@@ -320,7 +320,7 @@ def test_what_trains_is_said_if_it_is_known(kind: str) -> None:
     ):
         assert needed in said
     scaled = dataclasses.replace(facts, normalizes_reward=True)
-    assert "running standard deviation" in text_of(get_task("ant"), kind, training=scaled)
+    assert "The trainer normalises rewards" in text_of(get_task("ant"), kind, training=scaled)
     assert "algorithm" not in text_of(get_task("ant"), "reward").split("# Environment")[0]
 
 

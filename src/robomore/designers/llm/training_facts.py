@@ -48,9 +48,10 @@ class TrainingFacts:
             )
         if self.normalizes_reward:
             said.append(
-                "The trainer divides rewards by the running standard deviation of the discounted "
-                "return and clips them. So the scale of the whole reward does not matter, but the "
-                "sizes of its terms beside each other do."
+                "The trainer normalises rewards: it clips rare extreme ones, subtracts their usual "
+                "level and divides by the standard deviation of the discounted returns. So the "
+                "sizes of terms matter beside each other alone, and a constant only where a fall "
+                "ends the episode."
             )
         else:
             said.append("The trainer uses rewards as they are, without rescaling them.")

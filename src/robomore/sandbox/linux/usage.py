@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,19 +49,27 @@ def _memory(pid: int) -> dict[bytes, int]:
 
     Its first thread may end while others go on. Then only they tell of the memory that all share.
     """
-    statuses = [Path(f"/proc/{pid}/status")]
-    for status in statuses:
-        lines = [line.split() for line in status.read_bytes().splitlines()]
-        found = {line[0][:-1]: int(line[1]) << 10 for line in lines if line[0].startswith(b"Vm")}
-        if found:
-            return found
-        if len(statuses) == 1:
-            statuses += [task / "status" for task in Path(f"/proc/{pid}/task").iterdir()]
+    if found := _status(Path(f"/proc/{pid}")):
+        return found
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        # Threads that begin and end all the time must not hide those that stay.
+        with suppress(OSError):
+            if found := _status(task):
+                return found
     return {}
 
 
+def _status(task: Path) -> dict[bytes, int]:
+    lines = [line.split() for line in (task / "status").read_bytes().splitlines()]
+    return {line[0][:-1]: int(line[1]) << 10 for line in lines if line[0].startswith(b"Vm")}
+
+
 def folder_bytes(folder: Path, most_entries: int) -> int | None:
-    """Return the disk space that `folder` takes, in bytes, or `None` for too many entries."""
+    """Return the disk space that `folder` takes, in bytes.
+
+    It is `None` where that cannot be counted: too many entries, or a folder that nobody can enter
+    because its path is too long or its owner gave up the right to.
+    """
     total = entries = 0
     waiting = [folder]
     while waiting:
@@ -74,6 +83,8 @@ def folder_bytes(folder: Path, most_entries: int) -> int | None:
                         waiting.append(Path(entry.path))
                     else:
                         total += entry.stat(follow_symlinks=False).st_blocks * 512
-        except OSError:
+        except (FileNotFoundError, NotADirectoryError):
             continue  # vanished while we looked
+        except OSError:
+            return None
     return total
