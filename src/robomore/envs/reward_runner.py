@@ -213,10 +213,6 @@ class RewardRunner:
             if frame.f_code.co_filename in files
         ]
         said = f"{type(error).__name__}: {str(error)[:_LONGEST]}"
-        if isinstance(error, AttributeError | NameError):
-            # Python finds the name that was meant only when it formats a traceback.
-            formatted = traceback.TracebackException.from_exception(error)
-            said = "".join(formatted.format_exception_only()).strip()[:_LONGEST]
         if not frames:
             return said
         filename, number = frames[-1]
