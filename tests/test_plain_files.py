@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from robomore.plain_files import NotPlainError, PlainFolder, is_plain_name
+from robomore.plain_files import NotPlainError, PlainFolder, is_plain_name, scratch_folder
 
 
 @pytest.fixture
@@ -122,9 +122,15 @@ def test_names_lead_nowhere_else(folder: PlainFolder, name: str) -> None:
 def test_folders_nested_without_end_or_closed_to_their_owner_are_removed(
     folder: PlainFolder,
 ) -> None:
-    folder.make("a")
-    descriptor = os.open(folder.path / "a", os.O_RDONLY)
-    for _ in range(3_000):
+    with scratch_folder(folder.path, "a-") as scratch:
+        nest(scratch)
+    assert not folder.names()
+
+
+def nest(scratch: Path) -> None:
+    """Do with a scratch folder what untrusted code may do."""
+    descriptor = os.open(scratch, os.O_RDONLY)
+    for _ in range(1_200):
         os.mkdir("d", dir_fd=descriptor)
         os.close(os.open("f", os.O_CREAT, dir_fd=descriptor))
         inner = os.open("d", os.O_RDONLY, dir_fd=descriptor)
@@ -134,5 +140,3 @@ def test_folders_nested_without_end_or_closed_to_their_owner_are_removed(
     os.close(os.open("closed/f", os.O_CREAT, dir_fd=descriptor))
     os.chmod("closed", 0o000, dir_fd=descriptor)
     os.close(descriptor)
-    folder.remove("a")
-    assert not folder.names()

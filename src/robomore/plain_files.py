@@ -14,6 +14,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Literal
 
 from robomore.errors import InputError, RunFolderError
@@ -52,6 +53,16 @@ def cannot_write(path: Path, error: OSError, remedy: str) -> InputError:
             f"cannot write {path}: there is no folder {path.parent}; make it, or {remedy}"
         )
     return InputError(f"cannot write {path} ({error.strerror or error}); {remedy}")
+
+
+@contextmanager
+def scratch_folder(above: Path, prefix: str) -> Iterator[Path]:
+    """Make a new folder in `above` for untrusted code, and remove it whatever was left in it."""
+    folder = Path(mkdtemp(prefix=prefix, dir=above))
+    try:
+        yield folder
+    finally:
+        PlainFolder(above).remove(folder.name)
 
 
 class PlainFolder:

@@ -31,6 +31,7 @@ def test_no_design_of_a_search_is_larger_than_the_limit(method: str, tmp_path: P
     assert all(r.evaluation.volume <= HALF for r in found.searched if r.evaluation.ok)
     assert found.reference.volume > HALF, "the final still trains the reference beside it"
     assert found.champion.volume <= HALF
+    assert any("beyond this run's limit of volume" in said for said in found.warnings)
 
 
 def test_a_method_that_has_only_the_reference_says_that_it_is_too_large(tmp_path: Path) -> None:

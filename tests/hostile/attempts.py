@@ -54,7 +54,6 @@ MECHANISMS = {
     ),
     "disk": ("availability/big_file", "availability/removed_while_open"),
     "disk without names": ("availability/nameless_file", "availability/move_while_counted"),
-    "disk out of sight": ("availability/too_deep_to_count",),
     "output": ("availability/print_gigabyte",),
     "programs that do not load": ("broken/syntax", "broken/no_function", "broken/raises_at_import"),
     "programs that raise": ("broken/exit", "broken/memory_error", "broken/unknown_name"),

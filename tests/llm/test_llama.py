@@ -31,7 +31,7 @@ def test_nonsense_designs_come_out_of_a_real_server(tmp_path: Path) -> None:
             bodies.append(made.propose_morphology(Slot("coarse", "morphology", (i,)), bodies))
         programs = [made.propose_reward(Slot("coarse", "reward", (0,)), [])]
         job = Job("swimmer", Design(bodies[0], programs[0]), TrainerSettings(), 1, 1, 0)
-        best = Evaluation("", job, Status.OK, fitness=1.0, volume=0.1, efficiency=10.0)
+        best = Evaluation("key", job, Status.OK, fitness=1.0, volume=0.1, efficiency=10.0)
         programs.append(
             made.improve_reward(Slot("fine", "reward", (0, 1), improves=True), best, [best])
         )

@@ -96,7 +96,7 @@ def test_what_is_kept_survives_a_checkpoint(place: str, tmp_path: Path) -> None:
         assert np.array_equal(array, last.runner.state()[name])
 
 
-@pytest.mark.parametrize("place", KEPT.keys() - SHARED)
+@pytest.mark.parametrize("place", sorted(KEPT.keys() - SHARED))
 def test_what_is_kept_is_of_one_simulation(place: str) -> None:
     """Its neighbour and its order make no difference."""
     one = Replay(KEPT[place]).rewards(range(EPISODE - 1))

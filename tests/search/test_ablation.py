@@ -58,8 +58,8 @@ def test_without_diversity_no_proposal_sees_another() -> None:
     assert {t.design for t in trials} == {Design(Morphology((1.0,)), Reward("10"))}
 
 
-@pytest.mark.parametrize("part", ["diversity", "coarse", "fine", "morphology", "reward"])
-def test_each_ablation_keeps_the_contract(part: str) -> None:
+@pytest.mark.parametrize("part", ["diversity", "reward"])
+def test_an_ablation_keeps_the_contract(part: str) -> None:
     options = {"morphologies": 3, "rewards": 2, "max_cycles": 1, "without": [part]}
     settings = from_options(RoboMoReSettings, options, "method robomore")
     check_method(lambda: RoboMoRe(settings), get_task("swimmer"))

@@ -53,7 +53,7 @@ def test_the_process_agrees_with_scikit_learn() -> None:
 
 def test_a_fitted_process_tells_which_parameter_matters() -> None:
     random = np.random.default_rng(0)
-    points = random.random((30, 3))
+    points = random.random((16, 3))
     values = np.sin(6 * points[:, 0])
     process = fitted(points, (values - values.mean()) / values.std())
     lengths = process.parameters.lengths

@@ -37,7 +37,7 @@ class Volumes(Measuring):
 def test_it_keeps_the_contract(name: str) -> None:
     # Of random hoppers near the reference, one in ten passes the rules.
     settings = MethodSettings(name, METHODS[name])
-    check_method(lambda: make_method(settings), get_task("hopper"), 7)
+    check_method(lambda: make_method(settings), get_task("hopper"), 5)
 
 
 @pytest.mark.parametrize("name", METHODS)

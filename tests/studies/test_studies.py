@@ -126,7 +126,7 @@ def test_every_study_runs_at_its_smoke_preset(name: str, tmp_path: Path) -> None
     study = STUDIES.get(name)
     cells = cells_of(study, ["swimmer"], scale("smoke"), 2)
     results = run_study(study, cells, tmp_path, executor="untrained")
-    assert len(results.cells) == 2 * len(study.arms)
+    assert len(results.cells) == len(cells)
 
 
 def test_a_run_that_found_nothing_is_left_out_and_counted(
@@ -164,6 +164,12 @@ def test_all_arms_of_a_study_have_one_budget_and_a_folder_each() -> None:
             assert len({cell.budget_steps for cell in cells}) == 1
             assert len({cell.folder for cell in cells}) == len(cells)
             assert len({json.dumps(cell.arm.options) for cell in cells}) == len(cells)
+
+
+def test_an_arm_that_changes_nothing_is_left_out() -> None:
+    for name, screens in (("quick", False), ("standard", True)):
+        cells = cells_of(STUDIES.get("ablation"), [], scale(name), 1)
+        assert ("without-screening" in {cell.arm.name for cell in cells}) == screens
 
 
 def test_what_cannot_be_studied_is_refused() -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group, Parameter
 
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen
-from robomore.cli.output import console, write
+from robomore.cli.output import console, tell, write
 from robomore.cli.run_options import Machine
 from robomore.errors import InputError
 
@@ -61,7 +60,8 @@ def study(
     if name is None:
         screen = console()
         for known, found in STUDIES.items():
-            screen.print(f"[bold]{known}[/]  {found.summary}")
+            screen.print(known, style="bold", end="")
+            screen.print(f"  {found.summary}")
             screen.print(f"  {', '.join(one.name for one in found.arms)}", markup=False)
         return
     wanted = STUDIES.get(name)
@@ -86,8 +86,8 @@ def study(
         return
     out = machine.out or Path("studies") / f"{name}-{preset}"
 
-    def tell(index: int, cell: Cell) -> Observer:
-        sys.stderr.write(f"run {index + 1} of {len(cells)}: {cell.folder.name}\n")
+    def announce(index: int, cell: Cell) -> Observer:
+        tell(f"run {index + 1} of {len(cells)}: {cell.folder.name}\n")
         return lambda event: None
 
     results = run_study(
@@ -98,7 +98,7 @@ def study(
         executor=machine.executor,
         workers=machine.workers,
         containment=machine.containment,
-        tell=tell,
+        tell=announce,
     )
     for table in wanted.tables(results):
         write(f"{table.markdown()}\n")

@@ -14,7 +14,6 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import msgspec
@@ -24,6 +23,7 @@ from robomore.envs.robots.base import RewardFunction
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import UnstableSimulation
 from robomore.identity import derive_seed
+from robomore.plain_files import scratch_folder
 from robomore.rewards.check import NAME, Finding
 from robomore.rewards.continuation import check_continuation
 from robomore.rewards.dry_run_findings import Observed, Term, findings, morphologies
@@ -101,11 +101,11 @@ class DryRun:
         """
         drawn = tuple(morphologies(self.task, RANDOM_MORPHOLOGIES))
         self.scratch.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix="dry-run-", dir=self.scratch) as scratch:
+        with scratch_folder(self.scratch, "dry-run-") as scratch:
             ended = run_sandboxed(
                 "robomore.rewards.dry_run:observe",
                 msgspec.json.encode(DryRunRequest(self.task.id, drawn, source)),
-                Path(scratch),
+                scratch,
                 _LIMITS,
                 mode=self.containment,
             )

@@ -85,13 +85,11 @@ def _groups(
     found = {}
     for role in ROLES:
         keys = finished.get(role)
-        if (
-            not isinstance(keys, list)
-            or not keys
-            or not by_key.keys() >= {str(key) for key in keys}
-        ):
+        group = [by_key.get(str(key)) for key in keys] if isinstance(keys, list) else []
+        known = [evaluation for evaluation in group if evaluation is not None]
+        if not known or len(known) < len(group):
             return {}
-        found[role] = trained_design(role, task, [by_key[str(key)] for key in keys])
+        found[role] = trained_design(role, task, known)
     return found
 
 

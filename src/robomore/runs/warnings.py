@@ -50,6 +50,7 @@ def warnings_about(run: Run) -> tuple[str, ...]:
             said.append(run.pairs.verdict)
         said += _about_training_anew(run)
         said += _about_fitness(run)
+        said += _about_limits(run)
     said += _about_matter(champion)
     said += _about_bounds(run, champion)
     return tuple(said)
@@ -117,6 +118,24 @@ def _about_fitness(run: Run) -> list[str]:
             "train longer for a fair comparison."
         )
     return said
+
+
+def _about_limits(run: Run) -> list[str]:
+    settings, reference = run.manifest.settings, run.reference
+    if reference is None:
+        return []
+    beyond = []
+    if settings.max_volume is not None and reference.volume > settings.max_volume:
+        beyond.append(f"volume ({number(reference.volume)} m³)")
+    density = reference.body.get("density", 0.0)
+    if settings.max_density is not None and density > settings.max_density:
+        beyond.append(f"density ({number(density)} kg/m³)")
+    if not beyond:
+        return []
+    return [
+        f"The reference design is beyond this run's limit of {' and '.join(beyond)}: it is shown "
+        "to compare with, and could not be champion."
+    ]
 
 
 def _about_matter(champion: TrainedDesign) -> list[str]:

@@ -33,13 +33,14 @@ def _figures(results: Results) -> dict[str, Draw]:
 
 ABLATION = Study(
     name="ablation",
-    summary="robomore without diversity, morphology, reward, or the reference reward",
+    summary="robomore without diversity, morphology, reward, reference reward, or screening",
     arms=(
         Arm(FULL),
         _without("diversity"),
         _without("morphology"),
         _without("reward"),
         Arm("without-reference-reward", {"method_options": {"reference_reward": "out"}}),
+        Arm("without-screening", {"method_options": {"screening": "none"}}),
         Arm("reference", {"method": "reference"}),
     ),
     tables=_tables,

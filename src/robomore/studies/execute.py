@@ -12,9 +12,10 @@ from robomore.events import Observer, ignore
 from robomore.experiment import run
 from robomore.options import with_options
 from robomore.runs import Run, load_run
-from robomore.search import make_method
+from robomore.search import METHODS, make_method
+from robomore.settings import from_options
 from robomore.studies.presets import Scale
-from robomore.studies.study import Cell, Results, Study
+from robomore.studies.study import Arm, Cell, Results, Study
 from robomore.tasks import get_task
 
 FORMATS = ("svg", "pdf", "png")
@@ -22,6 +23,9 @@ FORMATS = ("svg", "pdf", "png")
 
 def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> list[Cell]:
     """Return the cells of a study, seed by seed, so that one that is stopped has whole seeds.
+
+    An arm that changes nothing at this scale is left out: without screening, for example, where
+    nothing is screened.
 
     Args:
         study: what is compared.
@@ -36,11 +40,19 @@ def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> li
         raise InputError(f"--seeds is {seeds}; give a number from 1 up")
     plain = with_options(scale.settings, **study.change)
     budget = replace(scale, settings=plain).budget_steps
+    arms: list[tuple[object, Arm]] = []
+    for arm in study.arms:
+        settings = arm.settings(plain)
+        method = settings.method
+        options = from_options(METHODS.get(method.name).Settings, method.options, method.name)
+        whole = method.name, options, replace(settings, method=plain.method)
+        if all(whole != other for other, _ in arms):
+            arms.append((whole, arm))
     found = []
     for seed in range(seeds):
         for task in dict.fromkeys(tasks or study.tasks):
             get_task(task)
-            for arm in study.arms:
+            for _, arm in arms:
                 settings = arm.settings(plain)
                 make_method(settings.method)
                 found.append(Cell(task, arm, seed, settings, budget))

@@ -49,9 +49,9 @@ class TrainingFacts:
         if self.normalizes_reward:
             said.append(
                 "The trainer normalises rewards: it clips rare extreme ones, subtracts their usual "
-                "level and divides by the standard deviation of the discounted returns. So neither "
-                "the scale of the whole reward nor a constant in it matters, but the sizes of its "
-                "terms beside each other do."
+                "level and divides by the standard deviation of the discounted returns. So the "
+                "sizes of terms matter beside each other alone, and a constant only where a fall "
+                "ends the episode."
             )
         else:
             said.append("The trainer uses rewards as they are, without rescaling them.")
