@@ -14,6 +14,7 @@ from robomore.llm import (
     BudgetedClient,
     MemoryLog,
     Message,
+    ModelBudget,
     Request,
     Sampling,
     check,
@@ -300,6 +301,19 @@ def test_a_cut_prompt_is_noticed(read: int, cut: bool, caplog: pytest.LogCapture
     warned = [r.message for r in caplog.records if "cuts prompts" in r.message]
     assert len(warned) == cut and bool(found) == cut
     assert not cut or ("OLLAMA_CONTEXT_LENGTH" in found and f"{read:,} tokens" in found)
+
+
+@pytest.mark.parametrize("field", ["prompt_tokens", "completion_tokens"])
+@pytest.mark.parametrize("count", [10**30, 2**63, -(10**6)])
+def test_a_count_that_cannot_be_true_does_not_use_up_the_budget(field: str, count: int) -> None:
+    def counts(body: dict) -> dict:
+        return {"prompt_tokens": 9, "completion_tokens": 9, "total_tokens": 18} | {field: count}
+
+    with serve(("counted", counts)) as (url, _):
+        client = BudgetedClient(model_at(url)[0], log := MemoryLog(), ModelBudget(tokens=10_000))
+        for repair in range(2):
+            client.ask(dataclasses.replace(PLAIN, repair=repair))
+    assert 0 < log.spent().tokens < 1000
 
 
 def test_odd_answers_are_answers() -> None:

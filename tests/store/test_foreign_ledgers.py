@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sqlite3
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from test_ledger import GOOD, JOB
@@ -104,6 +106,28 @@ def test_keys_and_artifacts_are_names_and_lead_nowhere(path: Path, name: str) ->
             Ledger(path, read_only=True)
     with closing(open_or_recover(path)) as ledger:
         assert all(not e.artifact for e in ledger.evaluations())
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"volume": -5.0},
+        {"volume": 0.0},
+        {"volume": 1e-300},
+        {"fitness": 1e308},
+        {"efficiency": None},
+        {"status": Status.CRASHED},
+    ],
+)
+def test_an_evaluation_with_numbers_that_cannot_be_is_done_again(
+    path: Path, changes: dict[str, Any]
+) -> None:
+    with closing(Ledger(path)) as ledger:
+        ledger.add_evaluation(replace(GOOD, **changes))
+    with pytest.raises(LedgerDamaged, match="same command"):
+        Ledger(path, read_only=True)
+    with closing(open_or_recover(path)) as ledger:
+        assert ledger.evaluation(GOOD.key) is None
 
 
 def test_text_that_cannot_be_encoded_is_replaced_and_never_stops_a_run(path: Path) -> None:

@@ -7,6 +7,7 @@ from itertools import islice
 
 import msgspec
 
+from robomore.store.schema import check_numbers
 from robomore.text import one_line
 from robomore.training.curve import check_curve
 from robomore.types import Curve, Evaluation, Job, TermStatistics
@@ -80,11 +81,7 @@ def checked_answer(reply: bytes, key: str, job: Job) -> Answer:
     evaluation = answer.evaluation
     if evaluation.key != key:
         raise ValueError(f"it is for another job, {evaluation.key!r}")
-    numbers = evaluation.fitness, evaluation.volume, evaluation.efficiency
-    if evaluation.ok and (None in numbers or not evaluation.volume or evaluation.volume < 0):
-        raise ValueError("it says ok without fitness, volume and efficiency")
-    if not evaluation.ok and any(number is not None for number in numbers):
-        raise ValueError(f"it says {evaluation.status} and has numbers all the same")
+    check_numbers(evaluation)
     if evaluation.curve is not None:
         check_curve(evaluation.curve)
     policy = answer.policy if evaluation.ok else b""

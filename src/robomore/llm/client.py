@@ -38,6 +38,10 @@ _log = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
+_MOST_TOKENS = 10**8
+"""Tokens of a prompt or of an answer. A server that reports more is wrong, and its number would
+use up every budget at once."""
+
 
 class PydanticAIModel:
     """A `ChatModel` on one of pydantic-ai's model classes.
@@ -92,11 +96,12 @@ class PydanticAIModel:
         text, ending = _content(response)
         usage = response.usage
         input_tokens, output_tokens = usage.input_tokens, usage.output_tokens
-        if usage.unmeasured_requests or not input_tokens:
+        counted = 0 < input_tokens <= _MOST_TOKENS and 0 <= output_tokens <= _MOST_TOKENS
+        if usage.unmeasured_requests or not counted:
             input_tokens = estimate_prompt(request.messages)
             output_tokens = estimate_tokens(text)
         cost = self.cost(input_tokens, output_tokens)
-        if self._price is None and cost is not None and not usage.unmeasured_requests:
+        if self._price is None and cost is not None and counted and not usage.unmeasured_requests:
             # Cached input has its own price, which only the full usage shows.
             try:
                 cost = float(response.cost().total_price)

@@ -35,6 +35,8 @@ CREATE TABLE events (seq INTEGER PRIMARY KEY, kind TEXT, body BLOB, time REAL, d
 """
 TABLES = ("evaluations", "curves", "places", "proposals", "exchanges", "events")
 
+_LARGEST = 1e12
+"""Far from every number of a robot, and from where sums and products stop being finite."""
 _LONGEST_CURVE = 2**20
 """Bytes of a curve when it is unpacked."""
 
@@ -105,9 +107,31 @@ def unpacked_curve(body: bytes) -> Curve:
     return msgspec.json.decode(text, type=Curve)
 
 
+def check_numbers(evaluation: Evaluation) -> None:
+    """Refuse an evaluation whose numbers do not fit its status, or are no robot's.
+
+    Raises:
+        ValueError: saying why.
+    """
+    numbers = evaluation.fitness, evaluation.volume, evaluation.efficiency
+    given = [number for number in numbers if number is not None]
+    if not evaluation.ok:
+        if given:
+            raise ValueError(f"it says {evaluation.status} and has numbers all the same")
+        return
+    if len(given) < len(numbers) or evaluation.volume is None:
+        raise ValueError("it says ok without fitness, volume and efficiency")
+    if not 1 / _LARGEST <= evaluation.volume <= _LARGEST:
+        raise ValueError(f"its volume is {evaluation.volume:g} m^3, which no robot has")
+    if any(abs(number) > _LARGEST for number in given):
+        raise ValueError(f"it has a number beyond {_LARGEST:g}, which none can be")
+
+
 def _evaluation(key: str, body: bytes) -> None:
-    if msgspec.json.decode(body, type=Evaluation).key != key:
+    found = msgspec.json.decode(body, type=Evaluation)
+    if found.key != key:
         raise ValueError(f"the evaluation {key!r} says that it is another one")
+    check_numbers(found)
 
 
 def _curve(key: str, body: bytes) -> None:
