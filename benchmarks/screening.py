@@ -213,7 +213,7 @@ def screen(rows: Sequence[Row], way: RoboMoReSettings) -> tuple[list[str], list[
         for trial in asked:
             number, *column = trial.place.index
             reward = column[0] if trial.place.stage == COARSE else REFERENCE
-            key = f"{number} {reward}"
+            key = f"{number}_{reward}"
             spent[key] = max(fifth, spent.get(key, 0))
             found.append(evaluation(key, trial.design, known.get((number, reward, fifth)), fifth))
         return found

@@ -31,7 +31,7 @@ COMMANDS = {
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
     "check-reward": (
         "robomore.cli.sandbox:check_reward",
-        "Check a reward: read it, and try it out in the sandbox.",
+        "Check a reward, and try it out in the sandbox.",
     ),
     "doctor": ("robomore.cli.sandbox:doctor", "Check which sandbox layers this machine offers."),
     "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
