@@ -8,6 +8,7 @@ file nor a folder is refused. Only the folder's own path, which the user gave, m
 from __future__ import annotations
 
 import os
+import re
 import secrets
 import stat
 import sys
@@ -53,6 +54,10 @@ def cannot_write(path: Path, error: OSError, remedy: str) -> InputError:
             f"cannot write {path}: there is no folder {path.parent}; make it, or {remedy}"
         )
     return InputError(f"cannot write {path} ({error.strerror or error}); {remedy}")
+
+
+PARTIAL = re.compile(r"\..+-[0-9a-f]{8}\.partial")
+"""Names of files that are being written, see `PlainFolder.write`."""
 
 
 @contextmanager

@@ -141,3 +141,15 @@ def test_a_lock_that_is_no_lock_is_named(tmp_path: Path) -> None:
     (tmp_path / "run" / "lock").write_bytes(b"no database at all" * 100)
     with pytest.raises(RunFolderError, match="remove that file"):
         RunFolder.prepare(tmp_path / "run", ASKED)
+
+
+def test_what_a_killed_run_had_begun_to_write_is_removed(tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    RunFolder.prepare(out, ASKED).release()
+    left = [out / ".probe.partial-0a1b2c3d.partial", out / "artifacts" / ".a-00000000.partial"]
+    kept = [out / ".report.html-0a1b2c3d.partial", out / ".notes"]
+    for path in left + kept:
+        path.write_bytes(b"")
+    RunFolder.prepare(out, ASKED).release()
+    assert not any(path.exists() for path in left)
+    assert all(path.exists() for path in kept)

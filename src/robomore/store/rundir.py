@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from robomore.errors import RunFolderError, StorageFailed
-from robomore.plain_files import PlainFolder
+from robomore.plain_files import PARTIAL, PlainFolder
 from robomore.store.manifest import Manifest
 from robomore.store.opening import refuse_unsafe
 
@@ -84,6 +84,7 @@ class RunFolder:
             folder.files.write(folder._probe.name, b"")
             folder.files.remove(folder._probe.name)
             folder._hold_lock()
+            folder._remove_partial_files()
             if folder.files.is_file(folder.manifest.name):
                 Manifest.load(folder.manifest).refuse_other(asked, path)
             else:
@@ -154,6 +155,13 @@ class RunFolder:
                     f"{self.path} is not empty ({name} is in it) and not the folder of a run; "
                     "name a new folder with --out"
                 )
+
+    def _remove_partial_files(self) -> None:
+        """Remove files that a killed run had begun to write. A page may be written right now."""
+        for above in ("", *_FOLDERS):
+            for name in self.files.names(above):
+                if PARTIAL.fullmatch(name) and not name.startswith(".report"):
+                    self.files.remove(f"{above}/{name}" if above else name)
 
     def release(self) -> None:
         """Let go of the lock."""
