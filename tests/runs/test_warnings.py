@@ -73,7 +73,14 @@ def test_failed_trainings_of_the_final_are_counted(tmp_path: Path) -> None:
     with closing(Ledger(run.folder.ledger)) as ledger:
         one = load_run(tmp_path).champion
         assert one is not None
-        failed = replace(one.evaluations[0], status=Status.UNSTABLE, fitness=None, efficiency=None)
+        failed = replace(
+            one.evaluations[0],
+            status=Status.UNSTABLE,
+            fitness=None,
+            volume=None,
+            efficiency=None,
+            episode_fitness=(),
+        )
         ledger.add_evaluation(failed)
     assert "1 of 5 final trainings of the champion design failed (unstable)" in said(tmp_path)
 
