@@ -11,10 +11,17 @@ import numpy as np
 
 from robomore.designers.designer import Designer
 from robomore.identity import derive_seed
-from robomore.plan import Plan, Stage
+from robomore.plan import Plan
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
-from robomore.search.population import Array, Candidate, start_candidate, trained, valid_point
+from robomore.search.population import (
+    Array,
+    Candidate,
+    generations,
+    start_candidate,
+    trained,
+    valid_point,
+)
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Evaluation
 
@@ -62,20 +69,7 @@ class CMAES:
 
     def plan(self, context: SearchContext) -> Plan:
         """Return one stage of so many generations."""
-        count, size = self._sizes(context)
-        generations = math.ceil(count / size)
-        return Plan(
-            (
-                Stage(
-                    name=STAGE,
-                    axes=("generation", "member"),
-                    shape=(generations, size),
-                    evaluations=count,
-                    steps=count * context.candidate.steps,
-                    batches=generations,
-                ),
-            )
-        )
+        return generations(STAGE, *self._sizes(context), context)
 
     def run(
         self, designer: Designer, evaluate: Evaluate, context: SearchContext

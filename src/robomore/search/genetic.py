@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
@@ -12,10 +11,17 @@ import numpy as np
 
 from robomore.designers.designer import Designer
 from robomore.identity import derive_seed
-from robomore.plan import Plan, Stage
+from robomore.plan import Plan
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
-from robomore.search.population import Array, Candidate, start_candidate, trained, valid_point
+from robomore.search.population import (
+    Array,
+    Candidate,
+    generations,
+    start_candidate,
+    trained,
+    valid_point,
+)
 from robomore.search.random import drawn
 from robomore.tasks.task import Task
 from robomore.tasks.unit_space import UnitSpace
@@ -58,20 +64,7 @@ class Genetic:
 
     def plan(self, context: SearchContext) -> Plan:
         """Return one stage of so many generations."""
-        count, size = self._count(context), self.settings.population
-        generations = math.ceil(count / size)
-        return Plan(
-            (
-                Stage(
-                    name=STAGE,
-                    axes=("generation", "member"),
-                    shape=(generations, size),
-                    evaluations=count,
-                    steps=count * context.candidate.steps,
-                    batches=generations,
-                ),
-            )
-        )
+        return generations(STAGE, self._count(context), self.settings.population, context)
 
     def run(
         self, designer: Designer, evaluate: Evaluate, context: SearchContext

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.errors import InvalidMorphology, NothingTrained
+from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate
 from robomore.search.method import SearchContext
 from robomore.tasks.task import Task
@@ -108,6 +109,23 @@ def start_candidate(context: SearchContext) -> Candidate:
             f"{context.task.id}: no scale of the reference's radii is valid; give larger limits"
         )
     return Candidate(begin, "the reference with its radii scaled into the run's limits")
+
+
+def generations(stage: str, count: int, size: int, context: SearchContext) -> Plan:
+    """Return a plan of one stage in which `count` morphologies are trained, `size` at a time."""
+    number = math.ceil(count / size)
+    return Plan(
+        (
+            Stage(
+                name=stage,
+                axes=("generation", "member"),
+                shape=(number, size),
+                evaluations=count,
+                steps=count * context.candidate.steps,
+                batches=number,
+            ),
+        )
+    )
 
 
 def trained(

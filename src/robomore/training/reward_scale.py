@@ -21,8 +21,8 @@ CLIP = 10.0
 """A reward is clipped that lies outside the usual ones by this many times their range."""
 
 SPREAD = 32.0
-"""Standard deviation of values on the scale. Adam moves a value by about a learning rate at each
-step, whatever its size: values around 1 would be blurred, those around 1000 reached late."""
+"""Standard deviation of values on the scale. It was chosen by trying: with 1, Half-Cheetah, Swimmer
+and Walker learnt worse, perhaps because Adam's steps do not shrink with what is learnt."""
 
 LARGEST = 1e100
 """Rewards beyond are clipped to it before anything else, so that their sums stay finite."""
