@@ -24,7 +24,7 @@ ROUNDS = 40
 """Rounds of `POOL` draws before giving up on a full pool."""
 EXTRA_ROUNDS = 24
 """Rounds of evolution besides one for each parameter."""
-DISTANCE_WEIGHT = 1.0
+DISTANCE_WEIGHT = 1.5
 """Log efficiency that a doubled distance to the nearest earlier morphology is worth."""
 
 
