@@ -29,7 +29,7 @@ thinner reference designs: fitness falls little or rises, down to the thinnest a
 STRIDE_GAIN = 2.0
 """Log efficiency that legs of e times the length gain, up to `LEG_LENGTH`: longer strides."""
 LEG_LENGTH = 1.2
-"""Length in m of a leg's moving limbs above which a robot gains nothing. Longer legs cost volume."""
+"""Length in m of a leg's moving limbs above which a robot gains nothing, but costs volume."""
 SLENDERNESS = (1.5, 200.0)
 """Plausible range of a limb's length over its radius. Below are balls, above are needles."""
 MAX_LENGTH_SPREAD, MAX_RADIUS_SPREAD = 0.5, 0.4
