@@ -69,8 +69,8 @@ class Frames:
         """Return the frames that `arrived` completes.
 
         Raises:
-            MalformedFrame: an unknown kind, a body longer than `MAX_BODY`, or more than `MOST_BYTES`
-                in all.
+            MalformedFrame: an unknown kind, a body longer than `MAX_BODY`, or more than
+                `MOST_BYTES` in all.
         """
         self._arrived += len(arrived)
         if self._arrived > MOST_BYTES:

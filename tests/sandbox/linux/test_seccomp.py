@@ -94,7 +94,6 @@ def test_other_conventions(machine: str) -> None:
         ("clone", (0x003D0B00,), REFUSE),  # a thread with open files of its own
         ("close_range", (3, 255, 4), ALLOW),
         ("close_range", (3, 255, 2), REFUSE),  # the same, later
-        ("sendfile", (3, 4, 0, 4096), REFUSE),  # keeps a file's pages in a pipe
         ("kill", (PID, 9), ALLOW),
         ("kill", (PID + 1, 0), REFUSE),
         ("kill", (0, 9), REFUSE),
