@@ -448,7 +448,7 @@ def test_another_model_or_another_use_of_it_is_another_run(tmp_path: Path) -> No
         model = connect("toy", base_url=url)
         chosen = LanguageModel(model, SETTINGS, server=url)
         for other, said in (
-            (replace(chosen, model=connect("other", base_url=url)), "model compatible:toy there"),
+            (replace(chosen, model=connect("other", base_url=url)), "model toy there"),
             (replace(chosen, server="http://elsewhere/v1"), "server"),
             (replace(chosen, vision=True), "vision"),
             (replace(chosen, settings=LLMSettings(repairs=2)), "repairs 1 there, 2 here"),
