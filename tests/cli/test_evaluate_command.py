@@ -40,7 +40,7 @@ def test_evaluate_prints_the_evaluation_and_its_status_decides_the_exit(
     assert ("NameError" in said.json["diagnosis"]) == bool(code)
     out = robomore_("evaluate", "swimmer", "--preset", "smoke").out
     assert str(status) in out
-    for line in ("forward speed (m/s): 0.5", "episodes that ended in a fall: 25 %"):
+    for line in ("forward speed (m/s): 0.5", "episodes that ended in a fall: 25.0 %"):
         assert (line in out) == (status is Status.OK)
 
 
