@@ -520,7 +520,9 @@ def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) 
 
 INTERRUPTED = textwrap.dedent(
     """
-    import sys
+    import signal, sys
+    # A shell that starts programs in the background has them ignore it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.path.insert(0, sys.argv[3])
     import untrained
     from robomore.cli import main
