@@ -127,7 +127,7 @@ def _progress(steps: int) -> Iterator[Callable[[int], None]]:
 
 
 def _print(evaluation: Evaluation) -> None:
-    from robomore.runs.words import EFFICIENCY_UNIT, duration, number
+    from robomore.runs.words import EFFICIENCY_UNIT, duration, label, measured, number
 
     lines = [f"status      {evaluation.status}"]
     if evaluation.ok:
@@ -138,7 +138,10 @@ def _print(evaluation: Evaluation) -> None:
             f"{number(min(episodes))} to {number(max(episodes))})",
             f"volume      {number(evaluation.volume)} m³",
         ]
-        lines += [f"{name:10}  {number(value)}" for name, value in evaluation.behaviour.items()]
+        lines += [
+            f"{label(name)}: {measured(name, value)}"
+            for name, value in evaluation.behaviour.items()
+        ]
         lines += [
             f"term {name}: mean {number(term.mean)}, from {number(term.low)} to {number(term.high)}"
             for name, term in evaluation.terms.items()

@@ -43,7 +43,7 @@ def body_facts(task: Task, parameters: Parameters) -> dict[str, float]:
     """Return the plain facts of one morphology.
 
     Returns:
-        `volume` in m^3 (sum over parts, overlaps counted twice), `mass` in kg, `density` in kg/m^3
+        `volume` in m³ (sum over parts, overlaps counted twice), `mass` in kg, `density` in kg/m³
         (mass / volume, what the robot would have to be made of) and `rest_height` in m (torso above
         the ground beneath it in the initial pose).
 

@@ -51,7 +51,8 @@ class RunState:
         clock: seconds that only grow.
         run: what was asked for, once it began.
         stage: name of the current batch's stage; empty before the first batch.
-        asked: evaluations of the current batch.
+        batch: evaluations of the current batch.
+        before: evaluations of earlier batches of the same stage.
         open: places of the current batch that are not measured yet.
         running: evaluations under way, by key.
         counts: finished evaluations by status, those known from before among them.
@@ -67,7 +68,8 @@ class RunState:
     clock: Callable[[], float] = time.monotonic
     run: RunBegan | None = None
     stage: str = ""
-    asked: int = 0
+    batch: int = 0
+    before: int = 0
     open: list[Place] = field(default_factory=list)
     running: dict[str, Running] = field(default_factory=dict)
     counts: Counter[Status] = field(default_factory=Counter)
@@ -108,8 +110,14 @@ class RunState:
 
     @property
     def done(self) -> int:
-        """Evaluations of the current batch that are measured."""
-        return self.asked - len(self.open)
+        """Evaluations of the current stage that are measured."""
+        return self.before + self.batch - len(self.open)
+
+    @property
+    def asked(self) -> int:
+        """Evaluations of the current stage: the most that it may have, as far as is known."""
+        planned = self.run.plan.stage(self.stage).evaluations if self.run else 0
+        return max(self.before + self.batch, planned if self._in_batches(self.stage) else 0)
 
     @property
     def failed(self) -> int:
@@ -150,9 +158,16 @@ class RunState:
     def _stage(self, place: Place) -> Stage:
         return self.run.plan.stage(place.stage) if self.run else Stage(name=place.stage)
 
+    def _in_batches(self, name: str) -> bool:
+        """Return whether a stage searches in several batches, each with new designs."""
+        stage = self.run.plan.stage(name) if self.run else Stage(name=name)
+        return stage.role == "search" and stage.batches > 1
+
     def _batch_began(self, places: tuple[Place, ...]) -> None:
-        self.stage = places[0].stage if places else self.stage
-        self.asked, self.open = len(places), list(places)
+        before, stage = self.before + self.batch, self.stage
+        self.stage = places[0].stage if places else stage
+        self.before = before if self.stage == stage and self._in_batches(stage) else 0
+        self.batch, self.open = len(places), list(places)
         self.running.clear()
         if places and self.run:
             self._work.begin(self.run.plan, self._stage(places[0]))

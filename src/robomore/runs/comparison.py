@@ -22,7 +22,7 @@ class Comparison:
     def rows(self) -> list[Row]:
         """Return one row a run; the same columns for every method.
 
-        Units: fitness m, volume m^3, energy J, efficiency m/m^3. `ratio` is champion over
+        Units: fitness m, volume m³, energy J, efficiency m/m³. `ratio` is champion over
         reference in what that run compared, with its 95 % interval where there are seeds enough
         for one.
         """

@@ -22,7 +22,7 @@ Row = dict[str, Any]
 def rows(records: Sequence[Record], task: Task, plan: Plan) -> list[Row]:
     """Return one row an evaluation, in the order of the search.
 
-    Units: fitness m, volume m^3, efficiency m/m^3, energy J, lengths as the task says, times
+    Units: fitness m, volume m³, efficiency m/m³, energy J, lengths as the task says, times
     core-seconds.
     """
     return [_row(record, task, plan) for record in records]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from robomore.runs.trained import TrainedDesign
 
 STEEL = 7850.0
-"""Density of steel in kg/m^3: a robot as a whole is never denser."""
+"""Density of steel in kg/m³: a robot as a whole is never denser."""
 
 _AT_BOUND = 0.01
 """A parameter counts as at its bound within this share of its range."""

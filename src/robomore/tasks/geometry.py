@@ -22,7 +22,7 @@ class Capsule:
 
     @property
     def volume(self) -> float:
-        """In m^3: count * pi r^2 (length + 4 r / 3)."""
+        """In m³: count * pi r^2 (length + 4 r / 3)."""
         return self.count * math.pi * self.radius**2 * (self.length + 4 * self.radius / 3)
 
 
@@ -34,7 +34,7 @@ class Sphere:
 
     @property
     def volume(self) -> float:
-        """In m^3: 4/3 pi r^3."""
+        """In m³: 4/3 pi r^3."""
         return 4 / 3 * math.pi * self.radius**3
 
 

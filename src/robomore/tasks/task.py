@@ -159,7 +159,7 @@ class Task:
         return dict(zip(self.names, self.check(parameters), strict=True))
 
     def volume(self, parameters: Sequence[float] | Mapping[str, float]) -> float:
-        """Return the sum of the shapes' volumes in m^3, overlaps counted twice (the paper's V)."""
+        """Return the sum of the shapes' volumes in m³, overlaps counted twice (the paper's V)."""
         return sum(shape.volume for shape in self.shapes(self.named(parameters)))
 
     def mjcf(self, parameters: Sequence[float] | Mapping[str, float]) -> str:
