@@ -64,7 +64,9 @@ def geom_solid(
     raise InvalidMorphology(f"the geom {name} is no solid (type {_TYPES(kind).name})")
 
 
-def placed(solid: Manifold, rotation: NDArray[np.float64], position: NDArray[np.float64]) -> Manifold:
+def placed(
+    solid: Manifold, rotation: NDArray[np.float64], position: NDArray[np.float64]
+) -> Manifold:
     """Return a solid moved to `position` (3,) with `rotation` (9,) or (3, 3)."""
     return solid.transform(np.c_[np.reshape(rotation, (3, 3)), position])
 

@@ -22,7 +22,7 @@ from robomore.identity import derive_seed
 from robomore.runs import Run
 from robomore.store.manifest import package_versions
 from robomore.tasks.task import Task
-from robomore.text import to_json
+from robomore.text import one_line, to_json
 from robomore.types import Evaluation
 
 _PLANAR = "robot.data.qpos[1] + robot.model.body_pos[1, 2] - robot.model.qpos0[1]"
@@ -48,9 +48,7 @@ class _Official:
 
 
 _OFFICIAL = {
-    "robomore.envs.robots.ant:AntEnvironment": _Official(
-        "ant_v5", "AntEnv", "robot.data.qpos[2]"
-    ),
+    "robomore.envs.robots.ant:AntEnvironment": _Official("ant_v5", "AntEnv", "robot.data.qpos[2]"),
     "robomore.envs.robots.hopper:HopperEnvironment": _Official("hopper_v5", "HopperEnv"),
     "robomore.envs.robots.half_cheetah:HalfCheetahEnvironment": _Official(
         "half_cheetah_v5", "HalfCheetahEnv"
@@ -106,7 +104,7 @@ def environment_package(
     task, package = run.task, package_name(run.task, name)
     parameters = evaluation.design.morphology.parameters
     common = {
-        "title": f"{task.title}, {name}",
+        "title": one_line(f"{task.title}, {name}").replace('"', "'").replace("\\", "/"),
         "package": package,
         "distribution": package.replace("_", "-"),
         "id": environment_id(task, name),
@@ -175,7 +173,7 @@ def _dependencies(task: Task) -> list[str]:
     versions = package_versions()
     needed = [
         f"gymnasium[mujoco]>={gymnasium.__version__}",
-        f"mujoco>={versions['mujoco']}",
+        f"mujoco>={versions['mujoco']},!=4.0.0",
         "numpy>=2",
     ]
     return needed if stands_alone(task) else [f"robomore=={versions['robomore']}", *needed]

@@ -24,7 +24,7 @@ _TRIALS = 64
 
 
 def onnx_bytes(policy: MLPPolicy, facts: dict[str, str]) -> bytes:
-    """Return a policy as an ONNX model: `observation` (n, inputs) to `action` (n, outputs), float32.
+    """Return a policy as an ONNX model: `observation` (n, inputs) to `action` (n, outputs).
 
     Args:
         policy: what was trained.

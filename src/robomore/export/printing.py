@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -117,6 +117,11 @@ def pieces_of(model: mujoco.MjModel, printer: Printer) -> list[Piece]:
     return [*found, _piece("whole", whole, printer, _too_close(model, printer), thinnest)]
 
 
+def in_mm(edges: Iterable[float]) -> str:
+    """Return the edges of a box in words: `256 x 256 x 200 mm`."""
+    return " x ".join(f"{edge:.0f}" for edge in edges) + " mm"
+
+
 def fitting_scale(pieces: list[Piece], printer: Printer) -> float:
     """Return the largest scale at which every piece fits the bed."""
     bed = sorted(printer.bed, reverse=True)
@@ -192,8 +197,7 @@ def _piece(
     extent, wall = _extent(vertices), _thinnest(solid) if wall is None else wall
     found = [*broken, *faults]
     if any(edge > side for edge, side in zip(extent, bed, strict=True)):
-        size = " × ".join(f"{edge:.0f}" for edge in extent)
-        found.append(f"it is {size} mm and the bed {' × '.join(f'{side:g}' for side in bed)} mm")
+        found.append(f"it is {in_mm(extent)} and the bed {in_mm(bed)}")
     if wall < printer.wall:
         found.append(f"its thinnest wall is {wall:.2f} mm, below {printer.wall:g} mm")
     if (separate := len(solid.decompose())) > 1:

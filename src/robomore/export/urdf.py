@@ -198,7 +198,7 @@ class _Writer:
     def _mesh(self, geom: int) -> str:
         """Return the file name of a geom's mesh, which is kept once."""
         model, mesh = self.model, int(self.model.geom_dataid[geom])
-        if model.geom_type[geom] == _GEOM.mjGEOM_MESH:
+        if int(model.geom_type[geom]) == _GEOM.mjGEOM_MESH:
             file = f"mesh_{mesh}.stl"
             first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
             start, triangles = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
@@ -229,12 +229,12 @@ def largest_force(model: mujoco.MjModel, joint: int) -> float:
     total = 0.0
     on_joint = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for motor in range(model.nu):
-        if model.actuator_trntype[motor] not in on_joint:
+        if int(model.actuator_trntype[motor]) not in on_joint:
             continue
         if model.actuator_trnid[motor, 0] != joint:
             continue
         gear = abs(float(model.actuator_gear[motor, 0]))
-        plain = model.actuator_biastype[motor] == mujoco.mjtBias.mjBIAS_NONE
+        plain = int(model.actuator_biastype[motor]) == mujoco.mjtBias.mjBIAS_NONE
         if model.actuator_forcelimited[motor]:
             total += gear * float(np.abs(model.actuator_forcerange[motor]).max())
         elif plain and model.actuator_ctrllimited[motor]:
