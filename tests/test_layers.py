@@ -28,6 +28,7 @@ LAYERS = (
     {"search"},
     {"monitor", "runs"},
     {"report", "visualize"},
+    {"export"},
     {"experiment"},
     {"studies"},
     {"testing"},
@@ -45,6 +46,7 @@ APART = {
     "runs": {"evaluation", "executors", "sandbox", "search"},
     "report": {"evaluation", "executors", "sandbox", "search", "training"},
     "visualize": {"evaluation", "executors", "sandbox", "search", "training"},
+    "export": {"evaluation", "executors", "sandbox", "search"},
     "monitor": {"evaluation", "executors", "sandbox", "search", "store", "training"},
 }
 """What a package does without although it stands below: an LLM knows no tasks, an executor no

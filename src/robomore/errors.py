@@ -80,3 +80,7 @@ class ModelUnavailable(RoboMoReError):
 
 class TrainingDiverged(RoboMoReError):
     """A weight or a loss of the trainer is no longer a finite number."""
+
+
+class ExportFailed(RoboMoReError):
+    """What was made for export is not what it should be; nothing was written."""

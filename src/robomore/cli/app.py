@@ -27,7 +27,7 @@ COMMANDS = {
     "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),
     "study": ("robomore.cli.study:study", "Run several methods on several tasks, with tables."),
     "compare": ("robomore.cli.tables:compare", "Put runs side by side."),
-    "export": ("robomore.cli.tables:export", "Write every evaluation of a run as one table."),
+    "export": ("robomore.cli.export:export", "Take a run's champion, or its table, elsewhere."),
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
     "check-reward": (
         "robomore.cli.sandbox:check_reward",

@@ -40,7 +40,7 @@ def show(
     """
     from robomore.report import as_data
 
-    chosen = _chosen(run, evaluation, reference)
+    chosen = chosen_run(run, evaluation, reference)
     if as_json:
         write_json(as_data(chosen))
         return
@@ -76,7 +76,7 @@ def report(
     """
     from robomore.report import write_report
 
-    write(f"{write_report(_chosen(run, evaluation, reference), out)}\n")
+    write(f"{write_report(chosen_run(run, evaluation, reference), out)}\n")
 
 
 def print_outcome(run: Run) -> None:
@@ -94,7 +94,7 @@ def print_outcome(run: Run) -> None:
     )
 
 
-def _chosen(path: Path, evaluation: str | None, reference: bool) -> Run:
+def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
     """Return the run with what was asked for in the champion's place.
 
     Raises:
