@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, closing, nullcontext
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -173,17 +174,20 @@ class Machine:
                     f"--{option} is for a Ray cluster; add --executor ray, or leave it out"
                 )
 
-    def opened(self) -> AbstractContextManager[str | Executor]:
-        """Join the cluster, or give the name of an executor that needs none.
+    @contextmanager
+    def opened(self) -> Iterator[str | Executor]:
+        """Join the cluster while the context lasts, or give the name of an executor.
 
         Raises:
             InputError: the cluster cannot be used.
         """
         if self.executor != RAY:
-            return nullcontext(self.executor)
+            yield self.executor
+            return
         from robomore.executors.ray import Ray
 
-        return closing(Ray(self.workers, self.ray_address, self._resources()))
+        with closing(Ray(self.workers, self.ray_address, self._resources())) as executor:
+            yield executor
 
     def _resources(self) -> Resources:
         from robomore.executors.resources import Resources

@@ -55,7 +55,7 @@ def ray_module() -> Any:
             f"--executor ray needs the package ray ({error}); pip install 'robomore[ray]'"
         ) from None
     if late:
-        from ray._raylet import Config
+        from ray._raylet import Config  # type: ignore[attr-defined]
 
         Config.initialize("")
     return ray
