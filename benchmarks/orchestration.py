@@ -207,21 +207,36 @@ def cost(evaluations: int) -> None:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Training:
+    """One training, or the rest of one that screening paused.
+
+    Attributes:
+        seconds: that it takes one worker.
+        name: the same for all parts of a training.
+        continues: whether it goes on from a checkpoint.
+    """
+
+    seconds: float
+    name: int
+    continues: bool
+
+
 @dataclass(frozen=True)
 class Recorded:
-    """A run as its batches: how many seconds each of their trainings takes one worker."""
+    """What a run asks for, batch by batch."""
 
-    batches: tuple[tuple[float, ...], ...]
+    batches: tuple[tuple[Training, ...], ...]
 
     @property
     def work(self) -> float:
         """Seconds of one worker."""
-        return sum(map(sum, self.batches))
+        return sum(one.seconds for batch in self.batches for one in batch)
 
     @property
     def chain(self) -> float:
         """Seconds that it takes with any number of workers."""
-        return sum(map(max, self.batches))
+        return sum(max(one.seconds for one in batch) for batch in self.batches)
 
 
 def recorded(task: Task, settings: RunSettings, seed: int, budget: int | None = None) -> Recorded:
@@ -229,55 +244,76 @@ def recorded(task: Task, settings: RunSettings, seed: int, budget: int | None = 
     with TemporaryDirectory() as folder:
         executor = searched(task, settings, seed, Path(folder) / "run", lambda event: None, budget)
     trained: dict[int, int] = {}
-    batches = []
-    for jobs in executor.batches:
-        if jobs:
-            batches.append(tuple(_seconds(job, trained) for job in jobs))
+    batches = [tuple(_training(job, trained) for job in jobs) for jobs in executor.batches if jobs]
     return Recorded(tuple(batches))
 
 
-def _seconds(job: Job, trained: dict[int, int]) -> float:
-    steps = job.steps - trained.get(job.seed, 0)
+def _training(job: Job, trained: dict[int, int]) -> Training:
+    before = trained.get(job.seed, 0)
     trained[job.seed] = job.steps
     chance = np.random.default_rng(derive_seed(job.seed, "time"))
     broken = np.random.default_rng(job.seed).random() < BROKEN
-    pace = float(np.exp(SPREAD * chance.standard_normal()))
-    return SECONDS_PER_STEP * steps * pace * (0.1 if broken else 1.0)
+    pace = float(np.exp(SPREAD * chance.standard_normal())) * (0.1 if broken else 1.0)
+    seconds = SECONDS_PER_STEP * (job.steps - before) * pace
+    return Training(seconds, job.seed, continues=before > 0)
 
 
-def makespan(runs: Sequence[Recorded], workers: int, slow: float = 1.0) -> float:
+def makespan(
+    runs: Sequence[Recorded], workers: int, slow: float = 1.0, pinned: int | None = None
+) -> float:
     """Return how long it takes until the last run ends.
 
     Args:
         runs: that go on side by side; each asks for its next batch when the last one is done.
         workers: that they share.
         slow: factor of the time that one eighth of the workers take, at least one of them.
+        pinned: workers of one machine, if a training goes on only where it was paused.
     """
     next_batch = [iter(run.batches) for run in runs]
     missing = [0] * len(runs)
-    waiting: deque[tuple[int, float]] = deque()
+    waiting: deque[tuple[int, Training]] = deque()
     idle = list(range(workers))
     events: list[tuple[float, int, int]] = []
+    machine: dict[int, int] = {}
     now = 0.0
 
     def ask(run: int) -> None:
         batch = next(next_batch[run], ())
         missing[run] = len(batch)
-        waiting.extend((run, seconds) for seconds in batch)
+        waiting.extend((run, training) for training in batch)
+
+    def taker(training: Training) -> int | None:
+        """Return the place among the idle of the worker that takes a training."""
+        if pinned is None or not training.continues:
+            return len(idle) - 1
+        own = machine[training.name]
+        return next((n for n, worker in enumerate(idle) if worker // pinned == own), None)
+
+    def start() -> None:
+        for _ in range(len(waiting)):
+            if not idle:
+                return
+            run, training = waiting.popleft()
+            place = taker(training)
+            if place is None:
+                waiting.append((run, training))
+                continue
+            worker = idle.pop(place)
+            if pinned is not None:
+                machine[training.name] = worker // pinned
+            factor = slow if worker < max(1, workers // 8) else 1.0
+            heapq.heappush(events, (now + factor * training.seconds, worker, run))
 
     for run in range(len(runs)):
         ask(run)
-    while waiting or events:
-        while waiting and idle:
-            run, seconds = waiting.popleft()
-            worker = idle.pop()
-            factor = slow if worker < max(1, workers // 8) else 1.0
-            heapq.heappush(events, (now + factor * seconds, worker, run))
+    start()
+    while events:
         now, worker, run = heapq.heappop(events)
         idle.append(worker)
         missing[run] -= 1
         if not missing[run]:
             ask(run)
+        start()
     return now
 
 
@@ -289,13 +325,14 @@ def told(runs: Sequence[Recorded]) -> None:
         f"{len(runs)} runs, {count:,} trainings, {work / 3600:.1f} core-hours, longest chain "
         f"{chain / 60:.1f} min; it alone keeps {work / chain:.0f} workers busy on average"
     )
-    print("workers   hours  of work/workers  of the bound  with slow workers (1 of 8, 10 times)")
+    print("workers   hours  of work/workers  of the bound  one of 8 ten times slower  pinned")
     for workers in WORKERS:
         took, slowed = makespan(runs, workers), makespan(runs, workers, slow=10.0)
+        held = f"{makespan(runs, workers, pinned=8) / 3600:6.2f} h" if len(runs) == 1 else ""
         bound = max(work / workers, chain)
         print(
             f"{workers:7} {took / 3600:7.2f} {work / workers / took:16.0%} {bound / took:13.0%} "
-            f"{slowed / 3600:9.2f} h"
+            f"{slowed / 3600:24.2f} h {held}"
         )
 
 

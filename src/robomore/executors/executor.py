@@ -52,13 +52,12 @@ def never() -> bool:
 
 
 class Executor(Protocol):
-    """Runs jobs.
+    """Runs jobs."""
 
-    Attributes:
-        workers: how many jobs run at once.
-    """
-
-    workers: int
+    @property
+    def workers(self) -> int:
+        """How many jobs run at once."""
+        ...
 
     def map(
         self,

@@ -7,10 +7,13 @@ switched on here, and a cluster that works without one is refused.
 
 from __future__ import annotations
 
+import importlib
 import logging
 import os
+import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -22,6 +25,7 @@ from robomore.executors.worker_process import clean_environment
 log = logging.getLogger(__name__)
 
 _MODE = "RAY_AUTH_MODE"
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _PASSED_ON = ("RAY_", "CUDA_", "NVIDIA_")
 """Variables that a local cluster gets besides those of the allow-list."""
 _PROBE = """
@@ -45,8 +49,6 @@ def ray_module() -> Any:
     """
     # What it would report to its makers is none of their business.
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    late = "ray" in sys.modules and _MODE not in os.environ
-    # Ray reads it as it is imported.
     os.environ.setdefault(_MODE, "token")
     try:
         import ray
@@ -54,10 +56,6 @@ def ray_module() -> Any:
         raise InputError(
             f"--executor ray needs the package ray ({error}); pip install 'robomore[ray]'"
         ) from None
-    if late:
-        from ray._raylet import Config  # type: ignore[attr-defined]
-
-        Config.initialize("")
     return ray
 
 
@@ -83,7 +81,12 @@ def connect(address: str | None) -> None:
     ray = ray_module()
     if ray.is_initialized():
         raise InputError("this process uses a Ray cluster already; call ray.shutdown() first")
+    # Ray reads mode and token as it is imported, which may have been before they were set.
+    raylet = importlib.import_module("ray._raylet")
+    raylet.Config.initialize("")
+    raylet.AuthenticationTokenLoader.instance().reset_cache()
     options = {"log_to_driver": True, "logging_level": logging.WARNING}
+    handlers = {number: signal.getsignal(number) for number in _SIGNALS}
     try:
         if address is None:
             with _without_keys():
@@ -94,8 +97,8 @@ def connect(address: str | None) -> None:
                     **options,
                 )
             _hide_token()
-            return
-        ray.init(address=address, **options)
+        else:
+            ray.init(address=address, **options)
     except (ConnectionError, OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
         where = f"--ray-address {address}" if address else "a Ray cluster on this machine"
         raise InputError(
@@ -103,6 +106,12 @@ def connect(address: str | None) -> None:
             "(ray start --address=HOST:PORT --num-cpus=0), and both need the same token "
             "(ray get-auth-token --generate)"
         ) from None
+    if threading.current_thread() is threading.main_thread():
+        for number, handler in handlers.items():
+            # Ray's own would abort, where the command stops in good order.
+            signal.signal(number, handler or signal.SIG_DFL)
+    if address is None:
+        return
     try:
         _refuse_open(ray.get_runtime_context().gcs_address)
     except InputError:
