@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
@@ -13,12 +12,10 @@ from typing import Any
 import pytest
 from ray_cluster import ray_cluster, until_none_is_left
 
-from robomore.errors import InputError
 from robomore.events import Event, Finished, ignore
 from robomore.executors import Done, Failed
 from robomore.executors.executor import Carry, RemoteExecutor
 from robomore.executors.ray import Ray
-from robomore.executors.resources import Resources
 from robomore.settings import with_method
 from robomore.studies import Arm, Study
 from robomore.studies.execute import cells_of, run_study
@@ -45,8 +42,9 @@ def cluster() -> Iterator[Any]:
     assert not until_none_is_left()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def executor(cluster: Any) -> Iterator[Ray]:
+    """Joins the cluster after the contract has been checked: a process is in one cluster at most."""
     with closing(Ray(None, cluster.address)) as made:
         yield made
 
@@ -90,26 +88,8 @@ def test_a_folder_travels_from_job_to_job_and_can_be_lost(executor: Ray) -> None
     assert counted(None).reply == b"x", "nothing stays on the machine"
 
 
-def test_a_node_that_is_not_fit_gets_no_more_work(
-    executor: Ray, tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    payload = f"unfit {tmp_path / 'once'}".encode()
-    assert outcomes(executor, "once", [payload]) == [Done(b"done")]
-    assert executor.workers == 1
-    (said,) = [r.message for r in caplog.records if "gets no work" in r.message]
-    assert "it is the first machine" in said
-    (nowhere,) = outcomes(executor, "unfit", [b""])
-    assert isinstance(nowhere, Failed) and nowhere.unstarted
-    assert "no machine is good enough" in nowhere.reason
-
-
-def test_a_candidate_that_fits_nowhere_is_refused(cluster: Any) -> None:
-    with pytest.raises(InputError, match="has 3 cores, 1 GiB for an evaluation; the nodes have"):
-        Ray(None, cluster.address, Resources(cores=3))
-
-
 def test_a_study_with_a_node_killed_in_the_middle_gives_the_numbers_of_one_process(
-    cluster: Any, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    cluster: Any, executor: Ray, tmp_path: Path
 ) -> None:
     cells = cells_of(STUDY, ["swimmer"], Scale(SCREENED, seeds=1), 1)
     victim = cluster.add_node(num_cpus=1)
@@ -124,8 +104,7 @@ def test_a_study_with_a_node_killed_in_the_middle_gives_the_numbers_of_one_proce
 
         return observe
 
-    with caplog.at_level(logging.WARNING), closing(Ray(None, cluster.address)) as executor:
-        run_study(STUDY, cells, tmp_path / "ray", executor=executor, side_by_side=2, tell=tell)
+    run_study(STUDY, cells, tmp_path / "ray", executor=executor, side_by_side=2, tell=tell)
     run_study(STUDY, cells, tmp_path / "inline", executor="inline", tell=lambda i, c: ignore)
     assert len(finished) > 6
     for cell in cells:
@@ -134,3 +113,16 @@ def test_a_study_with_a_node_killed_in_the_middle_gives_the_numbers_of_one_proce
         assert (ours / "champion" / "design.json").read_text() == (
             theirs / "champion" / "design.json"
         ).read_text()
+
+
+def test_a_node_that_is_not_fit_gets_no_more_work(
+    executor: Ray, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    payload = f"unfit {tmp_path / 'once'}".encode()
+    assert outcomes(executor, "once", [payload]) == [Done(b"done")]
+    assert executor.workers == 1
+    (said,) = [r.message for r in caplog.records if "gets no work" in r.message]
+    assert "it is the first machine" in said
+    (nowhere,) = outcomes(executor, "unfit", [b""])
+    assert isinstance(nowhere, Failed) and nowhere.unstarted
+    assert "no machine is good enough" in nowhere.reason

@@ -46,15 +46,14 @@ class Ray:
                 self._nodes.refuse_too_small()
             self._asked = workers
             self._workers = Workers(lambda: self._asked or self._nodes.capacity())
-            self._remote = ray.remote(serve).options(
-                name="evaluation",
+            self._remote = ray.remote(
                 num_returns="streaming",
                 num_cpus=resources.cores,
                 memory=resources.memory_bytes,
                 num_gpus=resources.gpu_share,
                 # A lost job is given again by the driver, which knows where it must not go.
                 max_retries=0,
-            )
+            )(serve)
         except BaseException:
             ray.shutdown()
             raise
