@@ -39,7 +39,7 @@ format: $(VENV)/.dev ## Put the code into the one style
 lock: ## Choose the packages' versions anew (needs uv)
 	@command -v uv >/dev/null || { echo "make lock needs uv: pip install uv" >&2; exit 2; }
 	$(COMPILE) --upgrade --group build --output-file lock/base.txt
-	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --constraint lock/base.txt --output-file lock/dev.txt
+	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --extra ray --constraint lock/base.txt --output-file lock/dev.txt
 
 clean: ## Remove .venv and caches; runs/ stays
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -27,7 +27,7 @@ __all__ = ["clock", "state"]
 
 def test_counts_and_best(state: RunState) -> None:
     assert (state.asked, state.done, state.failed) == (4, 2, 1)
-    assert state.open == [GRID[1], GRID[3]]
+    assert list(state.open) == [GRID[1], GRID[3]]
     assert list(state.running) == ["b"]
     assert state.best is not None and state.best[1] == GRID[0]
     assert state.trouble.startswith("reward-failed: line 3")

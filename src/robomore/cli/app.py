@@ -34,6 +34,7 @@ COMMANDS = {
         "Check a reward, and try it out in the sandbox.",
     ),
     "doctor": ("robomore.cli.sandbox:doctor", "Check which sandbox layers this machine offers."),
+    "cluster": ("robomore.cli.cluster:cluster", "Write the batch script for a cluster (Slurm)."),
     "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
     "prompt": ("robomore.cli.prompt:prompt", "Print what a language model would be told."),
 }

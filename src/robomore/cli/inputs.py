@@ -114,6 +114,19 @@ def read_duration(option: str, given: str) -> float:
     return float(number) * {"s": 1, "m": 60, "h": 3600}[unit]
 
 
+def read_bytes(option: str, given: str) -> int:
+    """Return an amount of memory such as `512MiB` or `2GiB` in bytes.
+
+    Raises:
+        InputError: it is none, or not above 0.
+    """
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMGT])(?:i?B)?", given.strip())
+    amount = int(float(found[1]) * 2 ** (10 * (1 + "KMGT".index(found[2])))) if found else 0
+    if not amount:
+        raise InputError(f"--{option} {given} is no amount of memory; write 512MiB or 2GiB")
+    return amount
+
+
 def read_text(path: Path, remedy: str) -> str:
     """Return the text of a file, without the byte order mark that some editors put before it.
 

@@ -13,11 +13,14 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-import msgspec
-
 from robomore.envs.compile import body_facts
 from robomore.envs.vector_env import VectorEnv
-from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
+from robomore.errors import (
+    InvalidMorphology,
+    TrainingDiverged,
+    UnfitWorker,
+    UnstableSimulation,
+)
 from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import choose, measure
 from robomore.evaluation.request import Answer, Request, believed
@@ -36,18 +39,15 @@ from robomore.training.warm import Shape
 from robomore.types import Evaluation, Job, Status
 
 
-def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
-    """Do an encoded `Request`; returns an encoded `Answer`. What executors call."""
-    request = msgspec.json.decode(payload, type=Request)
-    return to_json(evaluate(request, progress))
-
-
 def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     """Return what training the request's design gives. Never raises for a bad design.
 
     Args:
         request: the job and its folders.
         progress: told the control steps of training done.
+
+    Raises:
+        UnfitWorker: the task is another one on this machine.
     """
     began = time.process_time()
     job, key = request.job, request.key
@@ -65,6 +65,8 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
         evaluation = Evaluation(key, job, Status.UNSTABLE, str(error))
     except TrainingDiverged as error:
         evaluation = Evaluation(key, job, Status.TRAINING_DIVERGED, str(error))
+    except UnfitWorker:
+        raise
     except Exception:  # noqa: BLE001  # a fault of ours costs one candidate and keeps its traceback
         evaluation = Evaluation(key, job, Status.FAILED, traceback.format_exc())
     finally:
@@ -79,7 +81,7 @@ def _task(job: Job) -> Task:
     """Return the job's task, unless this worker knows another one of that name."""
     task = TASKS.get(job.task)
     if task_key(task) != job.task_key:
-        raise RuntimeError(
+        raise UnfitWorker(
             f"this worker knows the task {job.task} with another content than the run does: "
             "its package was edited, or is of another version here; start the run anew"
         )

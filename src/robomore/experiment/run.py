@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from contextlib import ExitStack, closing
+from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack, closing, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +16,7 @@ from robomore.designers.recorded import RecordedDesigner
 from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitReached
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, ignore, one_at_a_time
-from robomore.executors import EXECUTORS, thread_map
+from robomore.executors import EXECUTORS, Executor, thread_map
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
@@ -41,7 +42,7 @@ def run(
     *,
     designer: str | LanguageModel | Replay | None = None,
     seed: int = 0,
-    executor: str = "processes",
+    executor: str | Executor = "processes",
     workers: int | None = None,
     out: str | Path | None = None,
     budget_steps: int | None = None,
@@ -59,8 +60,11 @@ def run(
         designer: who proposes: a name, a language model, or what one said in another run; by
             default the offline designer, if the method asks one at all.
         seed: same seed, same result, whatever the number of workers.
-        executor: where evaluations run: `processes`, or `inline` in this process.
-        workers: evaluations side by side, one a core by default.
+        executor: where evaluations run: `processes`, `inline` in this process, or `ray` on this
+            machine; or an executor of your own making, which is left open
+            (`robomore.executors.ray.Ray` for a cluster).
+        workers: evaluations side by side, one a core by default. An executor of your own making
+            knows its own number.
         out: the run's folder; by default `runs/TASK-SETTINGS-DESIGNER-sSEED`.
         budget_steps: control steps of training that the search may use; the final comes on top.
             The same call with a larger budget goes on.
@@ -82,10 +86,9 @@ def run(
     task = get_task(task) if isinstance(task, str) else task
     observe = one_at_a_time(observe)
     name = name or (settings if isinstance(settings, str) else "custom")
-    workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     method = make_method(settings.method)
-    make_executor = EXECUTORS.get(executor)
+    make_executor = _executor(executor, workers)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     _refuse_useless(task, settings, method, designer, seed, budget_steps, time_limit)
     # Search and designer know the limits as rules; a worker knows the task as it is.
@@ -131,6 +134,7 @@ def run(
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
+        doing = stack.enter_context(make_executor())
         observe(
             RunBegan(
                 task=task.id,
@@ -140,7 +144,7 @@ def run(
                 designer=chosen.name,
                 provenance=chosen.provenance,
                 seed=seed,
-                workers=workers,
+                workers=doing.workers,
                 folder=out,
                 containment=layers,
                 budget_steps=budget_steps,
@@ -154,7 +158,7 @@ def run(
             versions=manifest.versions,
             ledger=ledger,
             folder=folder,
-            executor=stack.enter_context(closing(make_executor(workers))),
+            executor=doing,
             containment=mode,
             observe=observe,
             time_is_up=time_is_up,
@@ -185,6 +189,20 @@ def run(
             ledger.add_event("time-limit", seconds=time_limit)
         write_report(out)
     return load_run(out)
+
+
+def _executor(
+    asked: str | Executor, workers: int | None
+) -> Callable[[], AbstractContextManager[Executor]]:
+    """Return what makes the executor, or hands on the one that was given.
+
+    Raises:
+        InputError: no executor has that name.
+    """
+    if not isinstance(asked, str):
+        return lambda: nullcontext(asked)
+    make = EXECUTORS.get(asked)
+    return lambda: closing(make(workers or available_cores()))
 
 
 def _search(
