@@ -92,7 +92,9 @@ def run(
     # Search and designer know the limits as rules; a worker knows the task as it is.
     searched = limited(task, settings)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
-    mode, layers = choose_containment(containment, ours=designer in (None, "offline"))
+    given = settings.method.options.get("reward")
+    ours = designer in (None, "offline") and given in (None, task.reward)
+    mode, layers = choose_containment(containment, ours=ours)
     chosen = _no_designer(method)
     if method.needs_designer:
         asked = designer or "offline"

@@ -15,6 +15,8 @@ from robomore.runs import Run, load_run
 from robomore.search import METHODS, make_method
 from robomore.settings import from_options
 from robomore.studies.presets import Scale
+from robomore.studies.remeasured import remeasure
+from robomore.studies.retraining import retraining
 from robomore.studies.study import Arm, Cell, Results, Study
 from robomore.tasks import get_task
 
@@ -49,13 +51,18 @@ def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> li
         if all(whole != other for other, _ in arms):
             arms.append((whole, arm))
     found = []
+    asked = tasks or study.tasks
     for seed in range(seeds):
-        for task in dict.fromkeys(tasks or study.tasks):
+        searched: dict[str, Cell] = {}
+        for task in dict.fromkeys((study.searched, *asked) if study.searched else asked):
             get_task(task)
             for _, arm in arms:
                 settings = arm.settings(plain)
                 make_method(settings.method)
-                found.append(Cell(task, arm, seed, settings, budget))
+                cell = Cell(task, arm, seed, settings, budget, searched.get(arm.name))
+                found.append(cell)
+                if task == study.searched:
+                    searched[arm.name] = cell
     return found
 
 
@@ -85,10 +92,13 @@ def run_study(
     Raises:
         InputError: something asked for cannot be done.
         RunFolderError: a cell's folder holds another run.
+        NothingTrained: a design that was to be trained in other tasks was not found.
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
-    done = []
+    done: list[tuple[Cell, Run]] = []
     for index, cell in enumerate(cells):
+        if cell.retrains is not None:
+            cell = retraining(cell, done)
         folder = out / cell.folder
         observe = tell(index, cell)
         found = _finished(cell, folder)
@@ -112,7 +122,7 @@ def run_study(
                 # Its ledger tells why; the tables tell how many runs found something.
                 found = load_run(folder)
         done.append((cell, found))
-    results = Results(tuple(done))
+    results = Results(tuple(done), remeasure((run for _, run in done), out))
     write_results(study, results, out)
     return results
 
