@@ -110,11 +110,14 @@ class Final:
         Number of designs from the search that are trained anew.
     final_seeds
         Training seeds of each design. Fewer than five give no interval.
+    require_audit
+        A design that fails its audit (see `robomore audit`) cannot be champion.
     """
 
     final_steps: int | None = None
     finalists: int | None = None
     final_seeds: int | None = None
+    require_audit: Annotated[bool, Parameter(negative="")] = False
 
 
 @Parameter(name="*", group=Group("Machine", sort_key=7))
@@ -223,6 +226,7 @@ def settings_of(search: Search, training: Training, final: Final) -> RunSettings
         final_steps=final.final_steps,
         finalists=final.finalists,
         final_seeds=final.final_seeds,
+        require_audit=final.require_audit or None,
         evaluations=search.evaluations,
         objective=search.objective,
         max_volume=search.max_volume,

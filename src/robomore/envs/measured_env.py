@@ -102,9 +102,13 @@ class MeasuredEnv(VectorEnv):
             for data in self.data:
                 mujoco.mj_step(self.model, data)
             self._power.read()
+            self._note_substep()
             force, velocity = self._power.values[:, :motors], self._power.values[:, motors:]
             self._work += np.abs(force * velocity).sum(axis=1)
         self._work *= self.model.opt.timestep
+
+    def _note_substep(self) -> None:
+        """Look at `data` after each of MuJoCo's own steps; an audit does."""
 
     def _settle_diverged(self) -> bool:
         diverged = super()._settle_diverged()

@@ -28,7 +28,7 @@ from robomore.evaluation.train import POLICIES
 from robomore.plain_files import PlainFolder
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import Containment, run_sandboxed
-from robomore.tasks import TASKS, Task
+from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import task_key
 from robomore.text import one_line, to_json
 from robomore.training.checkpoint import drop_older
@@ -79,7 +79,7 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
 
 def _task(job: Job) -> Task:
     """Return the job's task, unless this worker knows another one of that name."""
-    task = TASKS.get(job.task)
+    task = get_task(job.task)
     if task_key(task) != job.task_key:
         raise UnfitWorker(
             f"this worker knows the task {job.task} with another content than the run does: "

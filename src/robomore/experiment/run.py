@@ -17,6 +17,7 @@ from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitRe
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
+from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
@@ -94,7 +95,9 @@ def run(
     # Search and designer know the limits as rules; a worker knows the task as it is.
     searched = limited(task, settings)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
-    mode, layers = choose_containment(containment, ours=designer in (None, "offline"))
+    given = settings.method.options.get("reward")
+    ours = designer in (None, "offline") and given in (None, task.reward)
+    mode, layers = choose_containment(containment, ours=ours)
     chosen = _no_designer(method)
     if method.needs_designer:
         asked = designer or "offline"
@@ -175,6 +178,9 @@ def run(
                 settings.final.seeds,
                 settings.objective,
                 lambda morphology: not refusal(searched, morphology),
+                partial(doubt, evaluator, task, settings.objective)
+                if settings.final.require_audit
+                else no_doubt,
             )
             evaluator.restore_policies(outcome.champion)
             save_champion(folder, task, outcome.champion, settings.objective)
@@ -235,7 +241,11 @@ def _note_final(ledger: Ledger, outcome: Final) -> None:
         name: [evaluation.key for evaluation in getattr(outcome, name)]
         for name in ("champion", "found", "reference", "morphology_only", "reward_only")
     }
-    ledger.add_event("finished", **groups)
+    passed_over = [
+        {"keys": [evaluation.key for evaluation in group], "reason": reason}
+        for group, reason in outcome.passed_over
+    ]
+    ledger.add_event("finished", **groups, **({"passed_over": passed_over} if passed_over else {}))
 
 
 def _refuse_useless(

@@ -8,6 +8,7 @@ from robomore.tasks.half_cheetah import HALF_CHEETAH
 from robomore.tasks.hopper import HOPPER
 from robomore.tasks.swimmer import SWIMMER
 from robomore.tasks.task import Task
+from robomore.tasks.variants import VARIANTS
 from robomore.tasks.walker import WALKER
 
 
@@ -26,9 +27,9 @@ TASKS: Registry[Task] = Registry(
 
 
 def get_task(id: str) -> Task:
-    """Return a task by its id.
+    """Return a task by its id, one of the side studies (`robomore.tasks.variants`) too.
 
     Raises:
         InputError: there is no such task, or the package that adds it is broken.
     """
-    return TASKS.get(id)
+    return VARIANTS.get(id) or TASKS.get(id)
