@@ -144,6 +144,7 @@ def _as_data(task: Task) -> dict[str, Any]:
                 "name": parameter.name,
                 "low": parameter.low,
                 "high": parameter.high,
+                "search": parameter.search or (parameter.low, parameter.high),
                 "reference": parameter.reference,
                 "unit": parameter.unit,
                 "scale": parameter.scale,
@@ -152,6 +153,7 @@ def _as_data(task: Task) -> dict[str, Any]:
             for parameter in task.parameters
         ],
         "rules": [rule.text for rule in task.rules],
+        "search_rules": [rule.text for rule in task.search_rules],
         "reward": task.reward,
     }
 

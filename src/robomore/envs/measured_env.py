@@ -154,7 +154,7 @@ class MeasuredEnv(VectorEnv):
         """Return why the episode ended early, or an empty text."""
         if self.diverged[index]:
             return "diverged"
-        if self.healthy[index] or not self._terminates:
+        if self.healthy[index] or not self.terminates:
             return ""
         low, high = getattr(self.environment, "_healthy_z_range", (-math.inf, math.inf))
         height = self.qpos[index, 2 if self._free else 1]

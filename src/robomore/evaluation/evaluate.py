@@ -16,6 +16,7 @@ from pathlib import Path
 import msgspec
 
 from robomore.envs.compile import body_facts
+from robomore.envs.try_out import try_out
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
 from robomore.evaluation.compiled import compiled_trainer
@@ -98,6 +99,7 @@ def _evaluate(
         said = "; ".join(f"line {fault.line}: {fault.message}" for fault in faults)
         return Evaluation(key, job, Status.INVALID_REWARD, said, body=body), None
 
+    try_out(task, parameters)
     containment = Containment(request.containment)
     robot = VectorEnv(task, parameters, 1)
     shape = Shape(job.trainer, robot.observation_size, robot.action_size)

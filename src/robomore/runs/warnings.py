@@ -150,7 +150,9 @@ def _about_matter(champion: TrainedDesign) -> list[str]:
 
 def _about_bounds(run: Run, champion: TrainedDesign) -> list[str]:
     at_bound = []
-    for parameter in run.task.parameters:
+    # What a language model proposes is held to the bounds alone.
+    sampled = run.manifest.designer in ("", "offline")
+    for parameter in (run.task.searched() if sampled else run.task).parameters:
         value = champion.parameters[parameter.name]
         near = _AT_BOUND * (parameter.high - parameter.low)
         if parameter.scale == "log":

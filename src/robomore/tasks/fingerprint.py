@@ -16,7 +16,7 @@ from typing import Any
 
 from robomore.identity import content_key
 from robomore.tasks.own_source import own_source
-from robomore.tasks.task import Task, Values
+from robomore.tasks.task import Rule, Task, Values
 
 PROBES = 16
 """Random parameters, besides the reference, that a task's functions are called with."""
@@ -55,14 +55,16 @@ class _Same:
 def _fingerprint(same: _Same) -> dict[str, str]:
     task = same.task
     probes = [dict(zip(task.names, task.reference, strict=True)), *_probes(task)]
-    functions = [task.options, task.shapes, *(rule.violation for rule in task.rules)]
+    rules = (*task.rules, *task.search_rules)
+    functions = [task.options, task.shapes, *(rule.violation for rule in rules)]
     modules = {getattr(function, "__module__", None) or "" for function in functions}
     parts: dict[str, Any] = {
         "template": task.template,
         "parameters": [dataclasses.asdict(one) for one in task.parameters],
         "constants": sorted((name, repr(value)) for name, value in task.constants.items()),
         "options": _results(task.options, probes),
-        "rules": [[rule.text, _results(rule.violation, probes)] for rule in task.rules],
+        "rules": [_rule(rule, probes) for rule in task.rules],
+        "search rules": [_rule(rule, probes) for rule in task.search_rules],
         "shapes": _results(lambda values: [one.volume for one in task.shapes(values)], probes),
         "reward": task.reward,
         "environment": [task.environment, own_source(task.environment.partition(":")[0])],
@@ -74,6 +76,10 @@ def _fingerprint(same: _Same) -> dict[str, str]:
         "version": task.version,
     }
     return {name: content_key(part)[:_HEX_DIGITS] for name, part in parts.items()}
+
+
+def _rule(rule: Rule, probes: list[dict[str, float]]) -> list[Any]:
+    return [rule.text, _results(rule.violation, probes)]
 
 
 def _results(function: Callable[[Values], Any], probes: list[dict[str, float]]) -> list[Any]:
