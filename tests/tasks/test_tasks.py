@@ -238,7 +238,7 @@ def test_variants_of_ant_differ_only_where_they_should() -> None:
         for name in same - set(changed):
             assert getattr(variant, name) == getattr(ant, name), name
     assert get_task("ant-powered").constants["gear"] == 2 * ant.constants["gear"]
-    assert get_task("ant-jump").fitness == "height"
+    assert get_task("ant-jump").goal.name == "height"
     assert "jump" in get_task("ant-jump").description
 
 

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from robomore.identity import content_key
+from robomore.tasks.fitness import Fitness, Term
 from robomore.tasks.own_source import own_source
 from robomore.tasks.task import Rule, Task, Values
 
@@ -56,7 +57,8 @@ def _fingerprint(same: _Same) -> dict[str, str]:
     task = same.task
     probes = [dict(zip(task.names, task.reference, strict=True)), *_probes(task)]
     rules = (*task.rules, *task.search_rules)
-    functions = [task.options, task.shapes, *(rule.violation for rule in rules)]
+    measured = [term.measure.function for term in task.goal.terms]
+    functions = [task.options, task.shapes, *(rule.violation for rule in rules), *measured]
     modules = {getattr(function, "__module__", None) or "" for function in functions}
     parts: dict[str, Any] = {
         "template": task.template,
@@ -69,13 +71,29 @@ def _fingerprint(same: _Same) -> dict[str, str]:
         "reward": task.reward,
         "environment": [task.environment, own_source(task.environment.partition(":")[0])],
         "code": [own_source(module) for module in sorted(modules)],
-        "fitness": task.fitness,
+        "fitness": _fitness(task.goal),
         "terrain": dataclasses.asdict(task.terrain) if task.terrain else None,
         "episode": task.episode_steps,
         "description": task.description,
         "version": task.version,
     }
     return {name: content_key(part)[:_HEX_DIGITS] for name, part in parts.items()}
+
+
+def _fitness(fitness: Fitness) -> list[Any]:
+    terms = [
+        [term.name, term.weight, _plain(dict(term.options)), term.measure.unit, _bound(term)]
+        for term in fitness.terms
+    ]
+    return [terms, fitness.unit, fitness.meaning]
+
+
+def _bound(term: Term) -> list[Any]:
+    """Return the values that a function of the task's author carries besides its module's text."""
+    function: Any = term.measure.function if term.own else None
+    cells = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
+    kept = [getattr(function, name, None) for name in ("args", "keywords", "__defaults__")]
+    return [getattr(function, "__qualname__", ""), *map(_plain, [*cells, *kept])]
 
 
 def _rule(rule: Rule, probes: list[dict[str, float]]) -> list[Any]:

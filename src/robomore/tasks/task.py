@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from robomore.errors import InvalidMorphology
+from robomore.errors import InputError, InvalidMorphology
+from robomore.tasks.fitness import Fitness, as_fitness
 from robomore.tasks.geometry import Shape
 from robomore.tasks.template import fill
 
@@ -91,8 +92,9 @@ class Task:
         version: raised when a change makes old results incomparable.
         title: name in reports.
         description: the task in words, shown to designers.
-        fitness: `distance` (forward distance of the torso over an episode, in m) or `height`
-            (highest torso height in an episode, in m).
+        fitness: what an episode is worth, the larger the better: the name of a measure
+            (`robomore.tasks.measures`), such as `distance` or `height`, or a `Fitness` of several
+            or of one's own. `goal` is the same as a `Fitness`.
         template: MJCF text whose `{...}` placeholders are arithmetic over parameter names and
             `constants`. The same text, unfilled, is what a designer sees.
         parameters: the free dimensions, in order.
@@ -111,7 +113,7 @@ class Task:
     id: str
     title: str
     description: str
-    fitness: Literal["distance", "height"]
+    fitness: str | Fitness
     template: str
     parameters: tuple[Parameter, ...]
     shapes: Callable[[Values], tuple[Shape, ...]]
@@ -124,6 +126,22 @@ class Task:
     terrain: Terrain | None = None
     episode_steps: int = 1000
     version: int = 1
+
+    def __post_init__(self) -> None:
+        """Refuse a fitness that is none.
+
+        Raises:
+            InputError: naming the task and what may stand there.
+        """
+        try:
+            as_fitness(self.fitness)
+        except InputError as error:
+            raise InputError(f"{self.id}: {error}") from None
+
+    @property
+    def goal(self) -> Fitness:
+        """What an episode is worth."""
+        return as_fitness(self.fitness)
 
     @property
     def reference(self) -> tuple[float, ...]:
