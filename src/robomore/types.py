@@ -53,6 +53,24 @@ class Design:
     reward: Reward
 
 
+@dataclass(frozen=True, slots=True)
+class Start:
+    """What a search starts from, besides the reference design: a morphology, a reward, or both.
+
+    Attributes:
+        origin: where it comes from, such as a file or a run's folder.
+        morphology: valid in the task of the run.
+        reward: that passes the static check.
+    """
+
+    origin: str
+    morphology: Morphology | None = None
+    reward: Reward | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "origin", encodable(self.origin))
+
+
 class Status(StrEnum):
     """How an evaluation ended. Anything but `OK` comes with a diagnosis and without numbers."""
 

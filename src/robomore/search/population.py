@@ -111,6 +111,14 @@ def start_candidate(context: SearchContext) -> Candidate:
     return Candidate(begin, "the reference with its radii scaled into the run's limits")
 
 
+def given_candidate(number: int, context: SearchContext) -> Candidate | None:
+    """Return the given start that is candidate `number` of a search, the reference being 0."""
+    if not 1 <= number <= len(context.starts):
+        return None
+    start = context.starts[number - 1]
+    return Candidate(start.parameters, start.idea)
+
+
 def generations(stage: str, count: int, size: int, context: SearchContext) -> Plan:
     """Return a plan of one stage in which `count` morphologies are trained, `size` at a time."""
     number = math.ceil(count / size)

@@ -59,6 +59,7 @@ def render_prompt(
     settings: HistorySettings | None = None,
     training: TrainingFacts | None = None,
     curve_of: CurveOf = lambda key: None,
+    hint: str = "",
 ) -> list[Message]:
     """Return the messages that ask for one proposal.
 
@@ -73,6 +74,7 @@ def render_prompt(
         settings: how much of the history the prompt holds.
         training: what trains, `None` to say nothing of it.
         curve_of: returns learning curves. Only improvements use it.
+        hint: remark of the person who runs the search; it comes last.
 
     Raises:
         InputError: there is no such kind, or nothing to improve on.
@@ -88,6 +90,8 @@ def render_prompt(
         parts.append(_improve(task, part, objective, best, measured, history, curve_of))
     elif earlier:
         parts.append(_diversity(task, part, earlier))
+    if hint:
+        parts.append(render("hint", hint=hint))
     return [Message("system", render(f"role-{part}")), Message("user", "\n\n".join(parts))]
 
 
