@@ -205,10 +205,10 @@ class Evaluation:
         job: what was asked.
         status: how it ended.
         diagnosis: empty when `OK`; else one paragraph for people and designers alike.
-        fitness: mean over episodes, in m (the task says what is measured).
+        fitness: mean over episodes; the task says what is measured, and in which unit.
         volume: material of the robot, in m^3 (sum over geoms, overlaps counted twice).
-        efficiency: fitness / volume, in 1/m^2.
-        episode_fitness: fitness of each episode, in m.
+        efficiency: fitness / volume.
+        episode_fitness: fitness of each episode.
         body: plain facts of the robot: `mass` kg, `density` kg/m^3, `rest_height` m.
         behaviour: how the policy moved, name -> value, units in the names.
         terms: statistics of each reward term over training.

@@ -142,7 +142,9 @@ class MeasuredEnv(VectorEnv):
             full_steps=self._steps,
             fall=self._fall(index),
         )
-        frequency, amplitude = stride(trajectory.qpos[1:, self._angles], self._dt)
+        frequency, amplitude = stride(
+            np.ascontiguousarray(trajectory.qpos[1:, self._angles]), self._dt
+        )
         drift = turn = None
         if self._free:
             drift = abs(float(trajectory.position[-1, 1] - trajectory.position[0, 1]))
