@@ -91,3 +91,7 @@ class TrainingDiverged(RoboMoReError):
 
 class ExportFailed(RoboMoReError):
     """What was made for export is not what it should be; nothing was written."""
+
+
+class FitnessFailed(RoboMoReError):
+    """The fitness of a task raised, or gave a number that is not finite: the task's fault."""

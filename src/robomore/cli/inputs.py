@@ -12,6 +12,7 @@ from typing import Any
 from robomore.errors import InputError, InvalidReward
 from robomore.plain_files import cannot_write
 from robomore.tasks import Task
+from robomore.types import Morphology, Reward, Start
 
 REFERENCE = "reference"
 
@@ -74,6 +75,38 @@ def read_reward(task: Task, given: str) -> str:
     except (ValueError, RecursionError, MemoryError) as error:
         raise InvalidReward(f"{given} does not parse: {error}; correct the file") from None
     return source
+
+
+def read_start(task: Task, given: str) -> Start:
+    """Return what a search is to start from.
+
+    Args:
+        task: of the search.
+        given: a JSON file with parameters, a Python file with a reward, the folder of a run (its
+            champion is meant), or the folder of one design.
+
+    Raises:
+        InputError: there is nothing of that kind.
+        InvalidMorphology, InvalidReward: as `read_parameters` and `read_reward`.
+    """
+    path = Path(given)
+    if (path / "run.json").is_file():
+        from robomore.experiment.starting import champion_of
+        from robomore.runs import load_run
+
+        return champion_of(task, load_run(path))
+    design, reward = path / "design.json", path / "reward.py"
+    if path.is_dir() and design.is_file():
+        source = Reward(read_reward(task, str(reward))) if reward.is_file() else None
+        return Start(given, Morphology(read_parameters(task, str(design))), source)
+    if path.suffix == ".py":
+        return Start(given, reward=Reward(read_reward(task, given)))
+    if path.suffix == ".json":
+        return Start(given, Morphology(read_parameters(task, given)))
+    raise InputError(
+        f"--start-from {given} is nothing to start from; name a .json file with parameters, a .py "
+        "file with a reward, the folder of a run, or a folder with design.json and reward.py"
+    )
 
 
 def read_options(option: str, given: Sequence[str] | None, example: str) -> dict[str, Any]:

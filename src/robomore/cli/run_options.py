@@ -52,6 +52,10 @@ class Search:
         About how many full trainings the search may use, for methods without sizes of their own.
     budget_steps
         Control steps of training that the search may use. The final comes on top.
+    start_from
+        What the search starts from besides the reference design: a JSON file with parameters, a
+        Python file with a reward, or the folder of a run (its champion) or of a design. May be
+        given several times.
     time_limit
         Time after which nothing new is started: `90s`, `30m` or `2h`. The run then ends with the
         best so far, and the same command goes on later.
@@ -66,6 +70,7 @@ class Search:
     max_density: float | None = None
     evaluations: int | None = None
     budget_steps: int | None = None
+    start_from: Pairs = None
     time_limit: str | None = None
 
     @property

@@ -158,8 +158,8 @@ class Evaluator:
                 if again.episode_fitness != before.episode_fitness:
                     raise RunFolderError(
                         f"{self.folder.artifacts / before.artifact} has no policy that can be "
-                        f"read, and training it again gave a fitness of {again.fitness} m in the "
-                        f"place of {before.fitness} m; restore it from a copy"
+                        f"read, and training it again gave a fitness of {again.fitness} in the "
+                        f"place of {before.fitness}; restore it from a copy"
                     )
                 self._keep_policy(again, policy)
 

@@ -147,6 +147,15 @@ class Ledger(Rows):
         found = [msgspec.convert(e.body, Cut) for e in self.events() if e.kind == "cut"]
         return sorted(found, key=lambda cut: cut.steps)
 
+    def add_hint(self, slot: Slot, hint: str) -> None:
+        """Note the remark of a person that the designer is given for a slot."""
+        self.add_event("hint", slot=to_json(slot).decode(), hint=hint)
+
+    def hints(self) -> dict[str, str]:
+        """Return the remark that each slot was asked for with, by the slot as JSON."""
+        bodies = [event.body for event in self.events() if event.kind == "hint"]
+        return {str(body["slot"]): str(body["hint"]) for body in bodies}
+
     def events(self) -> list[Event]:
         rows = self._select("SELECT * FROM events ORDER BY seq")
         return [Event(kind, self._decode(body, dict[str, Any]), at) for _, kind, body, at in rows]

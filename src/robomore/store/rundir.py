@@ -40,6 +40,7 @@ class RunFolder:
         self.checkpoints = path / "checkpoints"
         self.champion = path / "champion"
         self.report = path / "report.html"
+        self.hint = path / "hint.txt"
         self._lock = path / "lock"
         self._probe = path / "probe.partial"
         self._held: sqlite3.Connection | None = None
@@ -129,7 +130,7 @@ class RunFolder:
         Raises:
             RunFolderError: naming it.
         """
-        used = ("run.", "ledger", "lock", "probe", "report", *_FOLDERS)
+        used = ("run.", "ledger", "lock", "probe", "report", "hint", *_FOLDERS)
         for name in self.files.names():
             if name.startswith(used) or name.endswith(".partial"):
                 self.files.kind(name)
@@ -146,7 +147,7 @@ class RunFolder:
         """
         if self.files.is_file(self.manifest.name) or self.files.is_file(self.ledger.name):
             return
-        begun = (self._lock.name, self._probe.name)
+        begun = (self._lock.name, self._probe.name, self.hint.name)
         for name in self.files.names():
             if name.startswith(".") or name in begun:
                 continue

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from robomore.errors import InvalidMorphology
+from robomore.errors import InputError, InvalidMorphology
+from robomore.tasks.fitness import Fitness, as_fitness
 from robomore.tasks.geometry import Shape
 from robomore.tasks.template import fill
 
@@ -32,6 +33,8 @@ class Parameter:
         meaning: one line for designers and people.
         unit: SI unit.
         scale: how a search should step through the range; `log` for sizes that span decades.
+        search: lowest and highest value that samplers draw; `None` for all that is allowed. What a
+            designer or a person proposes is not held to it.
     """
 
     name: str
@@ -41,6 +44,7 @@ class Parameter:
     meaning: str
     unit: str = "m"
     scale: Literal["linear", "log"] = "linear"
+    search: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,12 +92,15 @@ class Task:
         version: raised when a change makes old results incomparable.
         title: name in reports.
         description: the task in words, shown to designers.
-        fitness: `distance` (forward distance of the torso over an episode, in m) or `height`
-            (highest torso height in an episode, in m).
+        fitness: what an episode is worth, the larger the better: the name of a measure
+            (`robomore.tasks.measures`), such as `distance` or `height`, or a `Fitness` of several
+            or of one's own. `goal` is the same as a `Fitness`.
         template: MJCF text whose `{...}` placeholders are arithmetic over parameter names and
             `constants`. The same text, unfilled, is what a designer sees.
         parameters: the free dimensions, in order.
-        rules: conditions between parameters.
+        rules: conditions between parameters that refuse what cannot be simulated.
+        search_rules: further conditions that samplers keep to, such as proportions that are worth
+            trying. What a designer or a person proposes is not held to them.
         shapes: the solids that make up the robot, for its volume.
         reward: source of the reference reward, `_get_rew(self, x_velocity, action)`.
         environment: `module:Class` of the environment (loaded only when something is simulated).
@@ -106,7 +113,7 @@ class Task:
     id: str
     title: str
     description: str
-    fitness: Literal["distance", "height"]
+    fitness: str | Fitness
     template: str
     parameters: tuple[Parameter, ...]
     shapes: Callable[[Values], tuple[Shape, ...]]
@@ -114,10 +121,27 @@ class Task:
     environment: str
     options: Callable[[Values], dict[str, Any]] = field(default=lambda values: {})
     rules: tuple[Rule, ...] = ()
+    search_rules: tuple[Rule, ...] = ()
     constants: Mapping[str, float] = field(default_factory=dict)
     terrain: Terrain | None = None
     episode_steps: int = 1000
     version: int = 1
+
+    def __post_init__(self) -> None:
+        """Refuse a fitness that is none.
+
+        Raises:
+            InputError: naming the task and what may stand there.
+        """
+        try:
+            as_fitness(self.fitness)
+        except InputError as error:
+            raise InputError(f"{self.id}: {error}") from None
+
+    @property
+    def goal(self) -> Fitness:
+        """What an episode is worth."""
+        return as_fitness(self.fitness)
 
     @property
     def reference(self) -> tuple[float, ...]:
@@ -153,6 +177,19 @@ class Task:
         if faults:
             raise InvalidMorphology(f"{self.id}: " + "; ".join(faults))
         return values
+
+    def searched(self) -> Task:
+        """Return the task as samplers see it: within the search ranges and the search rules.
+
+        Bounds wide enough for every idea of a designer would ruin a sampler: nearly all points
+        between them are robots that nobody would propose.
+        """
+        narrow = tuple(
+            replace(one, low=one.search[0], high=one.search[1], search=None) if one.search else one
+            for one in self.parameters
+        )
+        rules = (*self.rules, *self.search_rules)
+        return replace(self, parameters=narrow, rules=rules, search_rules=())
 
     def named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:
         """Return checked parameters by name."""
