@@ -16,6 +16,7 @@ from robomore.settings import Budget
 from robomore.store.ledger import Ledger
 from robomore.store.rundir import RunFolder
 from robomore.tasks.fingerprint import task_key
+from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
 from robomore.text import to_json
 from robomore.training.policy import POLICY, MLPPolicy
@@ -235,6 +236,7 @@ class Evaluator:
             scratch=str(self.folder.scratch / key),
             checkpoint=str(self.folder.path / checkpoint) if continues else "",
             containment=self.containment,
+            task=task_content(self.task),
         )
 
     def _checkpoint(self, job: Job) -> str:

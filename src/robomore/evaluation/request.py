@@ -23,6 +23,7 @@ class Request:
         scratch: folder that training may write to, made and emptied by the worker.
         checkpoint: folder to continue from and to leave a checkpoint in; empty for none.
         containment: `strict` refuses to run without the operating system's layers.
+        task: content of the job's task, if it comes from a file (`robomore.tasks.portable`).
     """
 
     job: Job
@@ -30,6 +31,7 @@ class Request:
     scratch: str
     checkpoint: str = ""
     containment: str = "strict"
+    task: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,6 +31,7 @@ from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
+from robomore.tasks.portable import task_content
 from robomore.training.settings import ensure_trainer, packages_for
 from robomore.types import Design, Evaluation, Morphology, Reward
 
@@ -130,6 +131,8 @@ def run(
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
+        if content := task_content(task):
+            folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
         observe(
             RunBegan(

@@ -11,9 +11,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from robomore.errors import InvalidMorphology
+from robomore.errors import InputError, InvalidMorphology
 from robomore.tasks.geometry import Shape
-from robomore.tasks.template import fill
+from robomore.tasks.solids import solids
+from robomore.tasks.template import fill, names_used
 
 Values = Mapping[str, float]
 """Parameters by name."""
@@ -94,13 +95,17 @@ class Task:
             `constants`. The same text, unfilled, is what a designer sees.
         parameters: the free dimensions, in order.
         rules: conditions between parameters.
-        shapes: the solids that make up the robot, for its volume.
+        shapes: the solids that make up the robot, for its volume; `None` for those that the
+            template describes.
         reward: source of the reference reward, `_get_rew(self, x_velocity, action)`.
         environment: `module:Class` of the environment (loaded only when something is simulated).
         options: constructor options of the environment, some of which depend on the morphology.
         constants: fixed numbers that the template refers to (never parameters).
         terrain: height field to run on, or `None` for flat ground.
         episode_steps: control steps of a full episode.
+        assets: content of the mesh files that the template names, by name.
+        mesh_volumes: enclosed volume of each mesh in m^3 at scale 1, by name.
+        mass: how the robot's mass follows from its size, in words.
     """
 
     id: str
@@ -109,15 +114,31 @@ class Task:
     fitness: Literal["distance", "height"]
     template: str
     parameters: tuple[Parameter, ...]
-    shapes: Callable[[Values], tuple[Shape, ...]]
     reward: str
     environment: str
+    shapes: Callable[[Values], tuple[Shape, ...]] | None = None
     options: Callable[[Values], dict[str, Any]] = field(default=lambda values: {})
     rules: tuple[Rule, ...] = ()
     constants: Mapping[str, float] = field(default_factory=dict)
     terrain: Terrain | None = None
     episode_steps: int = 1000
     version: int = 1
+    assets: Mapping[str, bytes] = field(default_factory=dict)
+    mesh_volumes: Mapping[str, float] = field(default_factory=dict)
+    mass: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse a template that uses a name that nothing gives a value."""
+        known = {*self.names, *self.constants}
+        try:
+            unknown = sorted(names_used(self.template) - known)
+        except ValueError as error:
+            raise InputError(f"{self.id}: {error}; correct the template") from None
+        if unknown:
+            raise InputError(
+                f"{self.id}: its template uses {', '.join(map(repr, unknown))}, which is neither a "
+                f"parameter nor a constant; there are {', '.join(sorted(known)) or 'none'}"
+            )
 
     @property
     def reference(self) -> tuple[float, ...]:
@@ -160,7 +181,13 @@ class Task:
 
     def volume(self, parameters: Sequence[float] | Mapping[str, float]) -> float:
         """Return the sum of the shapes' volumes in m^3, overlaps counted twice (the paper's V)."""
-        return sum(shape.volume for shape in self.shapes(self.named(parameters)))
+        return sum(shape.volume for shape in self.solids(self.named(parameters)))
+
+    def solids(self, values: Values) -> tuple[Shape, ...]:
+        """Return the solids that make up the robot, for parameters by name, valid or not."""
+        if self.shapes is not None:
+            return self.shapes(values)
+        return solids(self.template, {**self.constants, **values}, self.mesh_volumes)
 
     def mjcf(self, parameters: Sequence[float] | Mapping[str, float]) -> str:
         """Return the MJCF text of one morphology, without a terrain's elevations."""
