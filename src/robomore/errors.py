@@ -80,3 +80,7 @@ class ModelUnavailable(RoboMoReError):
 
 class TrainingDiverged(RoboMoReError):
     """A weight or a loss of the trainer is no longer a finite number."""
+
+
+class FitnessFailed(RoboMoReError):
+    """The fitness of a task raised, or gave a number that is not finite: the task's fault."""

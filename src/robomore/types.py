@@ -58,13 +58,14 @@ class Status(StrEnum):
 
     OK = "ok"
     INVALID_MORPHOLOGY = "invalid-morphology"
-    """Refused before training: out of bounds, against a rule, or MuJoCo does not compile it."""
+    """Refused before training: out of bounds, against a rule, not compiled by MuJoCo, or unhealthy
+    at every start."""
     INVALID_REWARD = "invalid-reward"
     """Refused before training: does not parse, or does not define the expected function."""
     REWARD_FAILED = "reward-failed"
     """Raised, or returned something that is not a finite number, while training."""
     UNSTABLE = "unstable"
-    """The simulation diverged."""
+    """The simulation diverged, in a short try before training or over and over in training."""
     TRAINING_DIVERGED = "training-diverged"
     """The trainer's own numbers did, which rewards of extreme size can cause."""
     TIMED_OUT = "timed-out"

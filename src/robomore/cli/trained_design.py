@@ -149,6 +149,6 @@ def _from_design(folder: Path) -> TrainedPolicy:
 def described(recording: Recording) -> str:
     """Return what happened in an episode, in words."""
     said = f"{number(recording.distance, 3)} m forward in {number(recording.seconds, 3)} s"
-    if recording.task.fitness == "height":
+    if recording.task.goal.motion == "upward":
         said = f"{number(recording.height, 3)} m high, {said}"
     return f"{recording.title}: {said}{', then it fell' if recording.fell else ''}"

@@ -60,6 +60,7 @@ class VectorEnv:
         healthy: (num_envs,) bool after the last step.
         diverged: (num_envs,) bool, the physics diverged in the last step.
         divergences: how often it did in all.
+        terminates: whether an unhealthy robot ends its episode.
     """
 
     def __init__(
@@ -100,7 +101,7 @@ class VectorEnv:
         if episode_seconds is not None:
             self._steps = min(self._steps, max(1, round(episode_seconds / self._dt)))
         self._auto_reset = auto_reset
-        self._terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
+        self.terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
         self._falls = self.environment.judges_health()
 
         self.data = [mujoco.MjData(self.model) for _ in range(num_envs)]
@@ -210,7 +211,7 @@ class VectorEnv:
         final = self.environment.batch_observation(self.physics_state, self._more)
         if self._falls:
             self.healthy = self.environment.batch_healthy(self.physics_state)
-        terminated = ~self.healthy if self._terminates else np.zeros(self.num_envs, np.bool_)
+        terminated = ~self.healthy if self.terminates else np.zeros(self.num_envs, np.bool_)
         if diverged:
             terminated |= self.diverged
         if self._runner is None:
@@ -223,7 +224,7 @@ class VectorEnv:
         self._now += 1
         self._left -= 1
         truncated, ended = np.zeros(self.num_envs, np.bool_), terminated
-        may_end = self._terminates or diverged
+        may_end = self.terminates or diverged
         if self._left <= 0:
             truncated = self.elapsed >= self._steps
             ended = terminated | truncated

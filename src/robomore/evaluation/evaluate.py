@@ -16,8 +16,9 @@ from pathlib import Path
 import msgspec
 
 from robomore.envs.compile import body_facts
+from robomore.envs.try_out import try_out
 from robomore.envs.vector_env import VectorEnv
-from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
+from robomore.errors import FitnessFailed, InvalidMorphology, TrainingDiverged, UnstableSimulation
 from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import choose, measure
 from robomore.evaluation.request import Answer, Request, believed
@@ -64,6 +65,8 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
         evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
     except UnstableSimulation as error:
         evaluation = Evaluation(key, job, Status.UNSTABLE, str(error))
+    except FitnessFailed as error:
+        evaluation = Evaluation(key, job, Status.FAILED, str(error))
     except TrainingDiverged as error:
         evaluation = Evaluation(key, job, Status.TRAINING_DIVERGED, str(error))
     except Exception:  # noqa: BLE001  # a fault of ours costs one candidate and keeps its traceback
@@ -100,6 +103,7 @@ def _evaluate(
         said = "; ".join(f"line {fault.line}: {fault.message}" for fault in faults)
         return Evaluation(key, job, Status.INVALID_REWARD, said, body=body), None
 
+    try_out(task, parameters)
     containment = Containment(request.containment)
     robot = VectorEnv(task, parameters, 1)
     shape = Shape(job.trainer, robot.observation_size, robot.action_size)

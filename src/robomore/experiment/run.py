@@ -148,6 +148,7 @@ def run(
                 containment=layers,
                 budget_steps=budget_steps,
                 time_limit=time_limit,
+                fitness_unit=task.goal.unit,
             )
         )
         evaluator = Evaluator(
@@ -237,10 +238,16 @@ def _refuse_useless(
     Raises:
         InputError: naming the value, the range and the remedy.
     """
-    if settings.objective == "transport-economy" and task.fitness != "distance":
+    goal = task.goal
+    if settings.objective == "transport-economy" and goal.motion != "forward":
         raise InputError(
-            f"{task.id} is about a {task.fitness} and transports nothing; choose --objective "
-            "fitness or efficiency"
+            f"{task.id} is about {goal.name} and transports nothing; choose --objective fitness or "
+            "efficiency"
+        )
+    if settings.objective == "efficiency" and goal.may_be_negative:
+        raise InputError(
+            f"the fitness of {task.id} ({goal.name}) may be below 0, and divided by the volume it "
+            "would then reward material; choose --objective fitness"
         )
     if designer is not None and not method.needs_designer:
         raise InputError(

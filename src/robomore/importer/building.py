@@ -15,6 +15,7 @@ from robomore.importer.feet import contact_names
 from robomore.importer.limbs import find_links
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
 from robomore.importer.template import TemplateWriter
+from robomore.tasks.fitness import Fitness
 from robomore.tasks.portable import ENVIRONMENT, FixedOptions, refuse_files
 from robomore.tasks.task import Parameter, Task
 from robomore.tasks.template import fill
@@ -53,7 +54,7 @@ class Plan:
     id: str
     title: str
     description: str
-    fitness: str
+    fitness: Fitness
     reward: str
     parameters: tuple[Parameter, ...]
     edits: tuple[Edit, ...]
@@ -128,7 +129,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         id=plan.id,
         title=plan.title,
         description=plan.description,
-        fitness=plan.fitness,  # type: ignore[arg-type]  # what it may be is said by the task
+        fitness=plan.fitness,
         template=template,
         parameters=plan.parameters,
         reward=plan.reward,

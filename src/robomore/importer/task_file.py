@@ -7,7 +7,7 @@ anything is simulated, and each mistake is answered with the line's name, its va
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal
@@ -20,6 +20,8 @@ from robomore.importer.edits import MASS_MODES, Edit, MassMode, MotorGroup
 from robomore.importer.limbs import find_links
 from robomore.importer.reading import SIMPLE_JOINTS, Robot, read_robot
 from robomore.importer.strength import strength_of
+from robomore.tasks.fitness import Fitness
+from robomore.tasks.portable import FitnessTerm, make_fitness
 from robomore.tasks.task import Parameter, Task
 
 
@@ -74,7 +76,7 @@ class TaskTable(msgspec.Struct, forbid_unknown_fields=True):
     title: str
     description: str
     robot: str
-    fitness: str
+    fitness: str | FitnessTerm | list[FitnessTerm]
     reward: str
     parameter: list[ParameterTable]
     base: Literal["free", "fixed"] | None = None
@@ -232,7 +234,7 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
         id=table.id,
         title=table.title,
         description=table.description.strip(),
-        fitness=table.fitness,
+        fitness=_fitness(table),
         reward=table.reward,
         parameters=tuple(parameters),
         edits=tuple(edits),
@@ -250,6 +252,20 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
         healthy_height=table.health.height,
         target=(table.target.part, table.target.position) if table.target else None,
     )
+
+
+def _fitness(table: TaskTable) -> Fitness:
+    """Return what a file says of its fitness; a target is that of its own table."""
+    given = table.fitness
+    terms = [FitnessTerm(given)] if isinstance(given, str) else given
+    terms = [terms] if isinstance(terms, FitnessTerm) else terms
+    if table.target:
+        target = {"target": list(table.target.position), "part": table.target.part, "radius": 0.05}
+        terms = [
+            replace(one, options=target | one.options) if one.measure == "target-reached" else one
+            for one in terms
+        ]
+    return make_fitness(terms)
 
 
 def _parameter_faults(given: ParameterTable) -> list[str]:

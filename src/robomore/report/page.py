@@ -20,7 +20,17 @@ from robomore.report.plots import best_so_far, fitness_over_volume, stage_classe
 from robomore.report.source import highlighted
 from robomore.runs import Run, load_run
 from robomore.runs.grid import grids
-from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
+from robomore.runs.words import (
+    duration,
+    equation,
+    in_unit,
+    label,
+    measured,
+    number,
+    short,
+    unit_of,
+    with_interval,
+)
 from robomore.store import RunFolder
 from robomore.text import sanitize
 from robomore.types import Place
@@ -52,6 +62,7 @@ def write_report(run: Run | Path, out: Path | None = None) -> Path:
 def render(run: Run) -> str:
     """Return the page of a run as HTML text."""
     found = grids(run)
+    unit = run.fitness_unit
     # A search that was measured under its own names: dots of these stages are told apart.
     searched = {record.place.stage for record in (*run.searched, *run.cut)}
     return (
@@ -63,8 +74,8 @@ def render(run: Run) -> str:
             task=run.task,
             champion=run.champion,
             reference=run.reference,
-            unit=unit_of(run.objective),
-            grids=[(grid.stage.name, heatmap(grid, run.objective)) for grid in found],
+            unit=unit_of(run.objective, unit),
+            grids=[(grid.stage.name, heatmap(grid, run.objective, unit)) for grid in found],
             stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
             best_so_far=best_so_far(run),
             fitness_over_volume=fitness_over_volume(run),
@@ -91,7 +102,9 @@ def _templates() -> Environment:
         "number": number,
         "short": short,
         "duration": duration,
-        "label": label,
+        "label": _labelled,
+        "equation": equation,
+        "in_unit": in_unit,
         "measured": measured,
         "place": _described,
         "with_interval": with_interval,
@@ -99,6 +112,13 @@ def _templates() -> Environment:
         "markup": Markup,
     }
     return environment
+
+
+@pass_context
+def _labelled(context: Context, name: str) -> str:
+    """Return what a number of the run that is shown is called."""
+    run: Run = context["run"]
+    return label(name, run.fitness_unit)
 
 
 @pass_context

@@ -88,7 +88,7 @@ def stored_task(files: PlainFolder, id: str) -> Task:
         InputError: there is none, or its content is damaged.
     """
     if files.is_file(TASK_CONTENT):
-        return remember(task_from_content(files.read(TASK_CONTENT)))
+        return remember(task_from_content(files.read(TASK_CONTENT), trusted=False))
     return get_task(id)
 
 

@@ -121,6 +121,11 @@ class Run:
         """What the search compared: `efficiency`, `fitness` or `transport-economy`."""
         return self.manifest.settings.objective
 
+    @property
+    def fitness_unit(self) -> str:
+        """Unit of the task's fitness; empty for a number without one."""
+        return self.task.goal.unit
+
     @cached_property
     def efficiency_ratio(self) -> Spread | None:
         """Champion's efficiency over the reference's."""

@@ -95,7 +95,7 @@ def _about_training_anew(run: Run) -> list[str]:
     if measured is None or not seen or measured.mean >= _WINNERS_CURSE * seen:
         return []
     return [
-        f"The search saw {in_unit(seen, run.objective)}, training anew gave "
+        f"The search saw {in_unit(seen, run.objective, run.fitness_unit)}, training anew gave "
         f"{number(measured.mean)}: the best of many noisy numbers is partly luck."
     ]
 
@@ -108,8 +108,9 @@ def _about_fitness(run: Run) -> list[str]:
     if champion.fitness.mean < reference.fitness.mean:
         said.append(
             "The champion uses less material, but it does not do better at the task: its fitness "
-            f"is {number(champion.fitness.mean)} m against {number(reference.fitness.mean)} m of "
-            "the reference design; its efficiency comes from the small volume."
+            f"is {number(champion.fitness.mean)} against "
+            f"{in_unit(reference.fitness.mean, 'fitness', run.fitness_unit)} of the reference "
+            "design; its efficiency comes from the small volume."
         )
     if reference.fitness.mean <= 0:
         said.append(
@@ -150,7 +151,9 @@ def _about_matter(champion: TrainedDesign) -> list[str]:
 
 def _about_bounds(run: Run, champion: TrainedDesign) -> list[str]:
     at_bound = []
-    for parameter in run.task.parameters:
+    # What a language model proposes is held to the bounds alone.
+    sampled = run.manifest.designer in ("", "offline")
+    for parameter in (run.task.searched() if sampled else run.task).parameters:
         value = champion.parameters[parameter.name]
         near = _AT_BOUND * (parameter.high - parameter.low)
         if parameter.scale == "log":

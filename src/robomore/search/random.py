@@ -80,7 +80,8 @@ class RandomSearch:
 
 
 def drawn(task: Task, seed: int, deviation: float) -> Morphology:
-    """Return a valid morphology from a Gaussian around the task's reference, cut at its bounds.
+    """Return a valid morphology from a Gaussian around the task's reference, cut at its search
+    ranges.
 
     Where a run's limits refuse the reference, its radii are scaled into them first.
 
@@ -93,6 +94,7 @@ def drawn(task: Task, seed: int, deviation: float) -> Morphology:
         NothingTrained: none of many draws passed the task's rules.
     """
     random = np.random.default_rng(seed)
+    task = task.searched()
     mean = np.array(start(task) or task.reference)
     low = np.array([parameter.low for parameter in task.parameters])
     high = np.array([parameter.high for parameter in task.parameters])

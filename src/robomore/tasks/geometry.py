@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+LEAST_LENGTH = 1e-6
+"""Shortest capsule between the centres of its ends, in m. MuJoCo compiles one of this length and
+refuses one of 1e-9 m (`fromto points too close`)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Capsule:

@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, Literal
+from functools import partial
+from typing import Any
 
 import msgspec
 
 from robomore.errors import InputError
+from robomore.tasks.fitness import Fitness, Term
 from robomore.tasks.task import Parameter, Task, Values
+from robomore.tasks.trajectory import Trajectory
 
 ENVIRONMENT = "robomore.envs.robots.own_robot:OwnRobotEnvironment"
 """The one environment of such tasks."""
@@ -37,13 +40,35 @@ class FixedOptions:
 
 
 @dataclass(frozen=True, slots=True)
+class FitnessTerm:
+    """A measure of a fitness as data.
+
+    Attributes:
+        measure: its name; empty for a function.
+        options: of the measure.
+        weight: in the sum.
+        function: text of a Python function of a `Trajectory`, in the place of a named measure.
+        unit: of what the function returns.
+        meaning: of it, in words.
+    """
+
+    measure: str = ""
+    options: dict[str, Any] = field(default_factory=dict)
+    weight: float = 1.0
+    function: str = ""
+    unit: str = ""
+    meaning: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class _Content:
     """The fields of a `Task` that are data."""
 
     id: str
     title: str
     description: str
-    fitness: Literal["distance", "height"]
+    fitness: tuple[FitnessTerm, ...]
+    unit: str
     template: str
     parameters: tuple[Parameter, ...]
     reward: str
@@ -59,13 +84,18 @@ def task_content(task: Task) -> bytes:
     """Return a task of a file as bytes; nothing for one that its id says all of."""
     if not isinstance(task.options, FixedOptions):
         return b""
-    values = {one.name: getattr(task, one.name) for one in fields(_Content)}
+    values = {one.name: getattr(task, one.name) for one in fields(_Content) if one.name != "unit"}
     values["options"] = dict(task.options.options)
-    return msgspec.json.encode(_Content(**values), order="sorted")
+    values["fitness"] = tuple(map(_as_data, task.goal.terms))
+    return msgspec.json.encode(_Content(**values, unit=task.goal.unit), order="sorted")
 
 
-def task_from_content(content: bytes) -> Task:
+def task_from_content(content: bytes, trusted: bool = True) -> Task:
     """Return the task that `task_content` wrote.
+
+    Args:
+        content: what it wrote.
+        trusted: whether it comes from this user. A function in it is not executed otherwise.
 
     Raises:
         InputError: it is not such a content, or it asks for files that are not in it.
@@ -74,10 +104,56 @@ def task_from_content(content: bytes) -> Task:
         read = msgspec.json.decode(content, type=_Content)
     except (msgspec.DecodeError, RecursionError) as error:
         raise InputError(f"the content of a task is damaged: {error}") from None
-    values = {one.name: getattr(read, one.name) for one in fields(_Content)}
+    values = {one.name: getattr(read, one.name) for one in fields(_Content) if one.name != "unit"}
     values["options"] = FixedOptions(read.options)
+    values["fitness"] = make_fitness(read.fitness, read.unit, trusted)
     refuse_files(read.id, read.template, read.assets)
     return Task(**values, environment=ENVIRONMENT)
+
+
+def make_fitness(
+    terms: Sequence[FitnessTerm], unit: str | None = None, trusted: bool = True
+) -> Fitness:
+    """Return a fitness from its terms as data.
+
+    Raises:
+        InputError: a measure, an option or a function is wrong.
+    """
+    parts: list[tuple[float, str | Fitness]] = []
+    for term in terms:
+        if term.function:
+            if NAME not in term.function:
+                raise InputError(f"the function of the fitness has to define {NAME}(trajectory)")
+            own = partial(_own_value, term.function if trusted else "")
+            meaning = term.meaning or "a function of its own"
+            parts.append((term.weight, Fitness.own(own, unit=term.unit, meaning=meaning)))
+        else:
+            # A name alone may be a measure of which less is better.
+            named = Fitness.of(term.measure, **term.options) if term.options else term.measure
+            parts.append((term.weight, named))
+    return Fitness.sum(*parts, unit=unit)
+
+
+NAME = "fitness"
+"""Name of a function of one's own in a task file."""
+
+
+def _as_data(term: Term) -> FitnessTerm:
+    function = term.measure.function
+    if isinstance(function, partial):
+        measure = term.measure
+        (source,) = function.args
+        return FitnessTerm("", {}, term.weight, source, measure.unit, measure.meaning)
+    return FitnessTerm(term.name, dict(term.options), term.weight)
+
+
+def _own_value(source: str, trajectory: Trajectory) -> float:
+    """Return what the function in `source`, the text of a person's own task file, gives."""
+    if not source:
+        raise InputError("the fitness is a function of somebody else's file; it is not executed")
+    namespace: dict[str, Any] = {}
+    exec(compile(source, "<fitness>", "exec"), namespace)
+    return float(namespace[NAME](trajectory))
 
 
 def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from robomore.errors import InputError, InvalidMorphology
+from robomore.tasks.fitness import Fitness, as_fitness
 from robomore.tasks.geometry import Shape
 from robomore.tasks.solids import solids
 from robomore.tasks.template import fill, names_used
@@ -33,6 +34,8 @@ class Parameter:
         meaning: one line for designers and people.
         unit: SI unit.
         scale: how a search should step through the range; `log` for sizes that span decades.
+        search: lowest and highest value that samplers draw; `None` for all that is allowed. What a
+            designer or a person proposes is not held to it.
     """
 
     name: str
@@ -42,6 +45,7 @@ class Parameter:
     meaning: str
     unit: str = "m"
     scale: Literal["linear", "log"] = "linear"
+    search: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,12 +93,15 @@ class Task:
         version: raised when a change makes old results incomparable.
         title: name in reports.
         description: the task in words, shown to designers.
-        fitness: `distance` (forward distance of the torso over an episode, in m) or `height`
-            (highest torso height in an episode, in m).
+        fitness: what an episode is worth, the larger the better: the name of a measure
+            (`robomore.tasks.measures`), such as `distance` or `height`, or a `Fitness` of several
+            or of one's own. `goal` is the same as a `Fitness`.
         template: MJCF text whose `{...}` placeholders are arithmetic over parameter names and
             `constants`. The same text, unfilled, is what a designer sees.
         parameters: the free dimensions, in order.
-        rules: conditions between parameters.
+        rules: conditions between parameters that refuse what cannot be simulated.
+        search_rules: further conditions that samplers keep to, such as proportions that are worth
+            trying. What a designer or a person proposes is not held to them.
         shapes: the solids that make up the robot, for its volume; `None` for those that the
             template describes.
         reward: source of the reference reward, `_get_rew(self, x_velocity, action)`.
@@ -111,7 +118,7 @@ class Task:
     id: str
     title: str
     description: str
-    fitness: Literal["distance", "height"]
+    fitness: str | Fitness
     template: str
     parameters: tuple[Parameter, ...]
     reward: str
@@ -119,6 +126,7 @@ class Task:
     shapes: Callable[[Values], tuple[Shape, ...]] | None = None
     options: Callable[[Values], dict[str, Any]] = field(default=lambda values: {})
     rules: tuple[Rule, ...] = ()
+    search_rules: tuple[Rule, ...] = ()
     constants: Mapping[str, float] = field(default_factory=dict)
     terrain: Terrain | None = None
     episode_steps: int = 1000
@@ -128,17 +136,27 @@ class Task:
     mass: str = ""
 
     def __post_init__(self) -> None:
-        """Refuse a template that uses a name that nothing gives a value."""
+        """Refuse a fitness that is none, and a template with a name that nothing gives a value.
+
+        Raises:
+            InputError: naming the task and what may stand there.
+        """
         known = {*self.names, *self.constants}
         try:
+            as_fitness(self.fitness)
             unknown = sorted(names_used(self.template) - known)
-        except ValueError as error:
-            raise InputError(f"{self.id}: {error}; correct the template") from None
+        except (InputError, ValueError) as error:
+            raise InputError(f"{self.id}: {error}") from None
         if unknown:
             raise InputError(
                 f"{self.id}: its template uses {', '.join(map(repr, unknown))}, which is neither a "
                 f"parameter nor a constant; there are {', '.join(sorted(known)) or 'none'}"
             )
+
+    @property
+    def goal(self) -> Fitness:
+        """What an episode is worth."""
+        return as_fitness(self.fitness)
 
     @property
     def reference(self) -> tuple[float, ...]:
@@ -174,6 +192,19 @@ class Task:
         if faults:
             raise InvalidMorphology(f"{self.id}: " + "; ".join(faults))
         return values
+
+    def searched(self) -> Task:
+        """Return the task as samplers see it: within the search ranges and the search rules.
+
+        Bounds wide enough for every idea of a designer would ruin a sampler: nearly all points
+        between them are robots that nobody would propose.
+        """
+        narrow = tuple(
+            replace(one, low=one.search[0], high=one.search[1], search=None) if one.search else one
+            for one in self.parameters
+        )
+        rules = (*self.rules, *self.search_rules)
+        return replace(self, parameters=narrow, rules=rules, search_rules=())
 
     def named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:
         """Return checked parameters by name."""

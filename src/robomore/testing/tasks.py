@@ -38,8 +38,12 @@ def check_task(task: Task) -> None:
         assert parameter.low <= parameter.reference <= parameter.high, (
             f"{parameter.name}: the reference {parameter.reference} is outside its bounds"
         )
-        assert parameter.scale == "linear" or parameter.low > 0, (
-            f"{parameter.name}: a log scale needs a low bound above 0"
+        low, high = parameter.search or (parameter.low, parameter.high)
+        assert parameter.low <= low <= parameter.reference <= high <= parameter.high, (
+            f"{parameter.name}: the search range must hold the reference and lie within the bounds"
+        )
+        assert parameter.scale == "linear" or low > 0, (
+            f"{parameter.name}: a log scale needs a low end of the search range above 0"
         )
         assert parameter.meaning, f"{parameter.name} has no meaning; a designer has to be told one"
     reference = task.check(task.reference)
