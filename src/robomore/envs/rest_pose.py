@@ -57,4 +57,5 @@ def lowest_point(model: mujoco.MjModel, data: mujoco.MjData) -> float:
     floor = model.geom(_FLOOR).id
     robot = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
     solid = [g for g in robot if model.geom_contype[g] or model.geom_conaffinity[g]] or robot
-    return min(mujoco.mj_geomDistance(model, data, floor, geom, 1e3, None) for geom in solid)
+    distances = (mujoco.mj_geomDistance(model, data, floor, geom, 1e3, None) for geom in solid)
+    return float(min(distances))

@@ -158,7 +158,7 @@ def _far_points(model: mujoco.MjModel, geom: int) -> Array:
     if int(model.geom_type[geom]) in ROUND:
         return ends(model, geom)
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
-        return model.geom_pos[geom][None]
+        return np.array(model.geom_pos[geom])[None]
     half = model.geom_aabb[geom, 3:]
     longest = int(np.argmax(half))
     along = rotation(model.geom_quat[geom])[:, longest] * half[longest]

@@ -99,7 +99,7 @@ class RobotEnvironment(MujocoEnv):
         if self._control_map is None:
             self._control_map = self.control_map()
         controls = self._control_map.controls(np.asarray(ctrl, dtype=np.float64))
-        super().do_simulation(controls, n_frames)  # type: ignore[no-untyped-call]
+        super().do_simulation(controls, n_frames)
 
     def control_map(self) -> ControlMap:
         """Return where actions go on the motors' control ranges."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -17,6 +17,7 @@ from robomore.envs.rest_pose import rest_pose
 from robomore.envs.robots.base import Array, RobotEnvironment
 
 _CONTACT = "contact_"
+_SIMPLE = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
 class JointState(NamedTuple):
@@ -39,8 +40,6 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
     A root that moves freely starts in its rest pose, its lowest point just above the floor, and
     faces +x. An episode ends once it tilts or its root leaves the healthy heights.
     """
-
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["human", "rgb_array", "depth_array"]}
 
     def __init__(
         self,
@@ -75,13 +74,18 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
         self._upright = tuple(float(number) for number in upright)
         self._reach, self._reset_noise_scale, self._tip = reach, reset_noise, tip
         # The file is never read: the model comes from `_initialize_simulation`.
+        self.metadata = {"render_modes": ["human", "rgb_array", "depth_array"]}
         MujocoEnv.__init__(self, "ant.xml", frame_skip, None, render_mode)
-        self.metadata = {**OwnRobotEnv.metadata, "render_fps": round(1 / self.dt)}
+        self.metadata["render_fps"] = round(1 / self.dt)
         model = self.model
         self._free = bool(model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
         self._first_qpos, self._first_qvel = (7, 6) if self._free else (0, 0)
         self._turn = _matrices(np.array([self._upright]))[0]
-        self._joints = {model.joint(j).name: _places(model, j) for j in range(model.njnt)}
+        self._joints = {
+            model.joint(j).name: _places(model, j)
+            for j in range(model.njnt)
+            if int(model.jnt_type[j]) in _SIMPLE
+        }
         self._sensors = {model.sensor(s).name: _slice(model, s) for s in range(model.nsensor)}
         self._contacts = {
             name.removeprefix(_CONTACT): place
@@ -98,7 +102,7 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
         self._healthy_z_range = (low * self._rest_height, high * self._rest_height)
         self._healthy_tilt = healthy_tilt
         self._terminate_when_unhealthy = self._free
-        self._control_map = ControlMap(model, self.init_qpos, reach)
+        self._map = ControlMap(model, self.init_qpos, reach)
         size = len(self._observation(self.state_vector()[None], self._observed_now()[None])[0])
         self.observation_space = Box(-np.inf, np.inf, (size,), np.float64)
 
@@ -166,38 +170,63 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
         return float(np.linalg.norm(self.sensor("target")))
 
     @property
+    def has_target(self) -> bool:
+        """Whether the task has a target."""
+        return "target" in self._sensors
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names that `joint` takes."""
+        return tuple(self._joints)
+
+    @property
+    def contact_names(self) -> tuple[str, ...]:
+        """Names that `contact_force` and `touches` take."""
+        return tuple(self._contacts)
+
+    @property
+    def sensor_names(self) -> tuple[str, ...]:
+        """Names that `sensor` takes."""
+        return tuple(self._sensors)
+
+    @property
     def is_healthy(self) -> bool:
         """Whether the root is neither tilted nor at an unhealthy height."""
         return bool(self._healthy(np.array(self.data.qpos)[None])[0])
 
-    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[Any]) -> tuple[Array, Any, bool, bool, dict[str, Any]]:
+        """Do one control step, as Gymnasium says."""
         before = self._position()
         self.do_simulation(action, self.frame_skip)
         x_velocity = float((self._position() - before) / self.dt)
         reward, terms = self._get_rew(x_velocity, action)
         terminated = self._terminate_when_unhealthy and not self.is_healthy
         if self.render_mode == "human":
-            self.render()
+            self.render()  # type: ignore[no-untyped-call]
         return self._get_obs(), reward, terminated, False, {"x_velocity": x_velocity, **terms}
 
     def reset_model(self) -> Array:
+        """Start an episode in the rest pose with some noise; returns the observation."""
         noise, random = self._reset_noise_scale, self.np_random
         qpos, qvel = np.array(self.init_qpos), np.zeros(self.model.nv)
         qpos[self._first_qpos :] += random.uniform(-noise, noise, len(qpos) - self._first_qpos)
         qvel += random.uniform(-noise, noise, len(qvel))
-        self.data.ctrl[:] = self._control_map.rest
+        rest = self._map.rest
+        self.data.ctrl[:] = rest
         # A motor with dynamics of its own starts where its control is.
         filtered = self.model.actuator_actadr >= 0
         if self.model.na:
-            self.data.act[self.model.actuator_actadr[filtered]] = self._control_map.rest[filtered]
-        self.set_state(qpos, qvel)
+            self.data.act[self.model.actuator_actadr[filtered]] = rest[filtered]
+        self.set_state(qpos, qvel)  # type: ignore[no-untyped-call]
         return self._get_obs()
 
     def _get_rew(self, x_velocity: float, action: Array) -> tuple[float, Mapping[str, float]]:
         raise NotImplementedError
 
     def _get_obs(self) -> Array:
-        return self._observation(self.state_vector()[None], self._observed_now()[None])[0]
+        observation: Array
+        (observation,) = self._observation(self.state_vector()[None], self._observed_now()[None])
+        return observation
 
     def _observed_now(self) -> Array:
         return np.concatenate((self.data.sensordata, self.data.ctrl))
@@ -219,7 +248,7 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
         parts += [
             qpos[:, self._first_qpos :] - self.init_qpos[self._first_qpos :],
             qvel[:, self._first_qvel :],
-            self._control_map.actions(observed[:, sensors:]),
+            self._map.actions(observed[:, sensors:]),
             np.minimum(observed[:, self._flags], 1.0),
             observed[:, self._shown],
         ]
