@@ -6,41 +6,44 @@ none of these, all of them.
 
 from __future__ import annotations
 
+import ast
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from types import CodeType
 
 from robomore.tasks.geometry import Capsule, Shape, Solid, Sphere
-from robomore.tasks.template import evaluate, parse
+from robomore.tasks.template import FUNCTIONS, check_arithmetic, names_used, parse
 
 Values = Mapping[str, float]
 
 _TOKEN = re.compile(r"\{([^{}]+)\}|(\S+)")
+_SCOPE = {**FUNCTIONS, "__builtins__": {}}
 _READ = ("type", "size", "fromto", "contype", "conaffinity", "mesh", "scale")
 
 
 @dataclass(frozen=True, slots=True)
 class _Geom:
-    """A geom: its type, and the expressions that say how large it is."""
+    """Equal geoms: their type, and code that gives their sizes, and the two ends if it has any."""
 
     kind: str
-    size: tuple[Callable[[Values], float], ...]
-    fromto: tuple[Callable[[Values], float], ...]
+    sizes: CodeType
+    has_ends: bool
     mesh_volume: float
+    count: int = 1
 
     def shape(self, values: Values) -> Shape:
-        size = [read(values) for read in self.size]
-        if self.fromto:
-            points = [read(values) for read in self.fromto]
-            length = math.dist(points[:3], points[3:])
-            size = [size[0], length / 2] if self.kind in ("capsule", "cylinder") else size
+        size = list(eval(self.sizes, dict(_SCOPE), values))
+        if self.has_ends:
+            points = size[-6:]
+            size = [size[0], math.dist(points[:3], points[3:]) / 2]
         if self.kind == "sphere":
             return Sphere(size[0])
         if self.kind == "capsule":
-            return Capsule(size[0], 2 * size[1])
+            return Capsule(size[0], 2 * size[1], self.count)
         if self.kind == "mesh":
             return Solid(abs(math.prod(size)) * self.mesh_volume)
         return Solid(volume_of(self.kind, size))
@@ -99,8 +102,21 @@ def _geoms(template: str, mesh_volumes: tuple[tuple[str, float], ...]) -> tuple[
         kind = one.get("type", "mesh" if "mesh" in one else "sphere")
         size = scales.get(one.get("mesh", ""), "1 1 1") if kind == "mesh" else one.get("size", "")
         volume = volumes.get(one.get("mesh", ""), 0.0)
-        made.append(_Geom(kind, _numbers(size), _numbers(one.get("fromto", "")), volume))
-    return tuple(made)
+        ends = one.get("fromto", "")
+        made.append(_Geom(kind, _code(f"{size} {ends}"), bool(ends), volume))
+    return _grouped(made, sorted(names_used(template)))
+
+
+def _grouped(geoms: Sequence[_Geom], names: Sequence[str]) -> tuple[_Geom, ...]:
+    """Return geoms with equal capsules together: those whose sizes agree at some fixed values."""
+    probes = [{name: 0.3 + 0.07 * k + 0.11 * i for i, name in enumerate(names)} for k in range(3)]
+    found: dict[object, _Geom] = {}
+    for number, geom in enumerate(geoms):
+        sizes = [geom.shape(values) for values in probes]
+        same = tuple(f"{one.volume:.9g} {one.radius:.9g}" for one in sizes)
+        key = same if geom.kind == "capsule" else number
+        found[key] = replace(geom, count=found[key].count + 1) if key in found else geom
+    return tuple(found.values())
 
 
 def _read_defaults(
@@ -133,11 +149,14 @@ def _of_body(
             yield from _of_body(part, within, classes)
 
 
-def _numbers(text: str) -> tuple[Callable[[Values], float], ...]:
-    """Return one function of the values for each number of an attribute."""
+def _code(text: str) -> CodeType:
+    """Return code that gives a tuple of the numbers of attributes.
 
-    def reader(expression: str) -> Callable[[Values], float]:
-        tree = parse(expression)
-        return lambda values: evaluate(tree, values)
-
-    return tuple(reader(braced or plain) for braced, plain in _TOKEN.findall(text))
+    Raises:
+        ValueError: one of them is not plain arithmetic.
+    """
+    trees = [parse(braced or plain) for braced, plain in _TOKEN.findall(text)]
+    for tree in trees:
+        check_arithmetic(tree)
+    whole = ast.Expression(ast.Tuple(trees, ast.Load()))
+    return compile(ast.fix_missing_locations(whole), "<template>", "eval")

@@ -7,6 +7,7 @@ volume cost nothing and work on a machine without a simulator.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -16,6 +17,8 @@ from robomore.tasks.fitness import Fitness, as_fitness
 from robomore.tasks.geometry import Shape
 from robomore.tasks.solids import solids
 from robomore.tasks.template import fill, names_used
+
+_MESH_SCALE = re.compile(r'(<mesh\b[^>]*) scale="[^"]*\{[^"]*"')
 
 Values = Mapping[str, float]
 """Parameters by name."""
@@ -227,7 +230,9 @@ class Task:
     @property
     def masked_mjcf(self) -> str:
         """MJCF text as designers see it: parameters as placeholders, constants as numbers."""
-        return fill(self.template, dict(self.constants), keep=set(self.names))
+        text = fill(self.template, dict(self.constants), keep=set(self.names))
+        # How much a mesh is scaled tells how large it is in its file.
+        return _MESH_SCALE.sub(r'\1 scale="follows the parameters"', text)
 
     def _in_order(self, parameters: Sequence[float] | Mapping[str, float]) -> tuple[float, ...]:
         if isinstance(parameters, Mapping):

@@ -21,7 +21,7 @@ _BINARY: dict[type, Callable[[float, float], float]] = {
     ast.Div: operator.truediv,
     ast.Pow: operator.pow,
 }
-_FUNCTIONS: dict[str, Callable[..., float]] = {
+FUNCTIONS: dict[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
     "abs": abs,
     "min": min,
@@ -61,7 +61,7 @@ def names_used(template: str) -> set[str]:
     """Return the names that the placeholders of `template` refer to."""
     trees = (parse(text) for text in _PLACEHOLDER.findall(template))
     names = {node.id for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return names - set(_FUNCTIONS)
+    return names - set(FUNCTIONS)
 
 
 def parse(expression: str) -> ast.expr:
@@ -74,6 +74,27 @@ def parse(expression: str) -> ast.expr:
         return ast.parse(expression.strip(), mode="eval").body
     except SyntaxError:
         raise ValueError(f"{{{expression}}} in a template is no arithmetic") from None
+
+
+def check_arithmetic(node: ast.expr) -> None:
+    """Refuse an expression that is not plain arithmetic over names.
+
+    Raises:
+        ValueError: it is not.
+    """
+    match node:
+        case ast.Constant(value=int() | float()) | ast.Name():
+            return
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return check_arithmetic(operand)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
+            check_arithmetic(left)
+            return check_arithmetic(right)
+        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
+            for argument in args:
+                check_arithmetic(argument)
+            return
+    raise ValueError(f"not plain arithmetic in a template: {ast.unparse(node)}")
 
 
 def evaluate(node: ast.expr, values: Mapping[str, float]) -> float:
@@ -96,6 +117,6 @@ def evaluate(node: ast.expr, values: Mapping[str, float]) -> float:
             return -evaluate(operand, values)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
             return _BINARY[type(op)](evaluate(left, values), evaluate(right, values))
-        case ast.Call(func=ast.Name(id=name), args=args) if name in _FUNCTIONS:
-            return _FUNCTIONS[name](*(evaluate(argument, values) for argument in args))
+        case ast.Call(func=ast.Name(id=name), args=args) if name in FUNCTIONS:
+            return FUNCTIONS[name](*(evaluate(argument, values) for argument in args))
     raise ValueError(f"not plain arithmetic in a template: {ast.unparse(node)}")
