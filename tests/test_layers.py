@@ -21,7 +21,7 @@ LAYERS = (
     {"events", "options"},
     {"tasks"},
     {"envs", "llm", "sandbox"},
-    {"rewards", "rendering"},
+    {"importer", "rewards", "rendering"},
     {"store"},
     {"designers", "executors", "training"},
     {"evaluation"},
@@ -55,12 +55,14 @@ robots, a search no files and no physics, and a report needs only a run's folder
 
 UPWARDS = {
     ("runs/run.py", "report"),
+    ("tasks/registry.py", "importer"),
     *(
         (f"tasks/{name}.py", "envs")
         for name in ("ant", "half_cheetah", "hopper", "swimmer", "walker")
     ),
 }
-"""Against the order: whoever holds a run asks it for its report, and a task names its environment,
+"""Against the order: whoever holds a run asks it for its report, a path in the place of a task's id
+is read by the importer, and a task names its environment,
 as text that is imported only where something is simulated."""
 
 NAMED = {("tasks", "envs")}

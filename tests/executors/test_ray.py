@@ -44,7 +44,7 @@ def cluster() -> Iterator[Any]:
 
 @pytest.fixture(scope="module")
 def executor(cluster: Any) -> Iterator[Ray]:
-    """Joins the cluster after the contract has been checked: a process is in one cluster at most."""
+    """Joins the cluster after the contract was checked: a process is in one cluster at most."""
     with closing(Ray(None, cluster.address)) as made:
         yield made
 

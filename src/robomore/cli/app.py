@@ -20,6 +20,8 @@ from robomore.errors import InputError, Interrupted, RoboMoReError
 COMMANDS = {
     "tasks": ("robomore.cli.tasks:tasks", "List the tasks."),
     "inspect": ("robomore.cli.tasks:inspect", "Show one robot: volume, mass, MJCF, a picture."),
+    "new": ("robomore.cli.own_robot:new", "Make a task from a robot's MJCF or URDF file."),
+    "check-task": ("robomore.cli.own_robot:check_task", "Say what is wrong with a task."),
     "run": ("robomore.cli.run:run", "Search for the best morphology and reward for a task."),
     "show": ("robomore.cli.show:show", "Show a run: champion, reference, how it got there."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),

@@ -30,8 +30,9 @@ from robomore.evaluation.train import POLICIES
 from robomore.plain_files import PlainFolder
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import Containment, run_sandboxed
-from robomore.tasks import Task, get_task
+from robomore.tasks import Task
 from robomore.tasks.fingerprint import task_key
+from robomore.tasks.registry import carried_task
 from robomore.text import one_line, to_json
 from robomore.training.checkpoint import drop_older
 from robomore.training.compilation import CACHE_VARIABLE
@@ -60,7 +61,7 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     try:
         above.remove(scratch.name)
         above.make(scratch.name)
-        evaluation, policy = _evaluate(request, _task(job), scratch, progress)
+        evaluation, policy = _evaluate(request, _task(request), scratch, progress)
     except InvalidMorphology as error:
         evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
     except UnstableSimulation as error:
@@ -81,9 +82,10 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     return Answer(evaluation, policy.to_bytes() if policy else b"")
 
 
-def _task(job: Job) -> Task:
+def _task(request: Request) -> Task:
     """Return the job's task, unless this worker knows another one of that name."""
-    task = get_task(job.task)
+    job = request.job
+    task = carried_task(job.task, request.task)
     if task_key(task) != job.task_key:
         raise UnfitWorker(
             f"this worker knows the task {job.task} with another content than the run does: "

@@ -27,6 +27,7 @@ from robomore.settings import Budget
 from robomore.store.ledger import Ledger
 from robomore.store.rundir import RunFolder
 from robomore.tasks.fingerprint import task_key
+from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
 from robomore.training.policy import POLICY, MLPPolicy
 from robomore.training.tuned import resolve
@@ -254,6 +255,7 @@ class Evaluator:
             scratch=str(self.folder.scratch / key),
             checkpoint=str(self.folder.path / checkpoint) if continues else "",
             containment=self.containment,
+            task=task_content(self.task),
         )
 
     def _remote_request(self, key: str, job: Job, carry: Carry | None) -> Request:

@@ -37,6 +37,7 @@ from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
+from robomore.tasks.portable import task_content
 from robomore.training.settings import ensure_trainer, packages_for
 from robomore.types import Design, Evaluation, Morphology, Reward, Start
 
@@ -106,7 +107,8 @@ def run(
     searched = limited(task, settings)
     starts = checked_starts(searched, start_from)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
-    given = [settings.method.options.get("reward"), *(one.reward.source for one in starts if one.reward)]
+    given = [one.reward.source for one in starts if one.reward]
+    given.append(settings.method.options.get("reward"))
     ours = designer in (None, "offline") and all(one in (None, task.reward) for one in given)
     mode, layers = choose_containment(containment, ours=ours)
     chosen = _no_designer(method)
@@ -160,6 +162,8 @@ def run(
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
+        if content := task_content(task):
+            folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
         doing = stack.enter_context(make_executor())
         observe(

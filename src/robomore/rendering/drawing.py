@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.compile import Parameters, compile_model
+from robomore.envs.rest_pose import starting_pose
 from robomore.envs.terrain import tile
+from robomore.tasks.portable import FixedOptions
 from robomore.tasks.task import Task, Terrain
 from robomore.tasks.terrain import CELLS, TILE
 
@@ -91,7 +93,8 @@ def draw(task: Task, parameters: Parameters) -> Scene:
     """
     model = compile_model(task, parameters)
     data = mujoco.MjData(model)
-    data.qpos[:] = rest_pose(model)
+    from_file = isinstance(task.options, FixedOptions)
+    data.qpos[:] = starting_pose(task, model) if from_file else rest_pose(model)
     mujoco.mj_kinematics(model, data)
     view = view_of(model)
     bare = project(model, data, view)

@@ -42,4 +42,20 @@ class Sphere:
         return 4 / 3 * math.pi * self.radius**3
 
 
-Shape = Capsule | Sphere
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """A box, a cylinder, an ellipsoid or a mesh.
+
+    Attributes:
+        volume: in m^3.
+    """
+
+    volume: float
+
+    @property
+    def radius(self) -> float:
+        """Radius in m of the ball that has this volume: a measure of its size."""
+        return float((3 * self.volume / (4 * math.pi)) ** (1 / 3))
+
+
+Shape = Capsule | Sphere | Solid

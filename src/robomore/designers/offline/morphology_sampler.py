@@ -99,7 +99,7 @@ class MorphologySampler:
         return points
 
     def _describe(self, values: Array) -> str:
-        shapes = self._task.shapes(self._task.named(values.tolist()))
+        shapes = self._task.solids(self._task.named(values.tolist()))
         limbs = [shape for shape in shapes if isinstance(shape, Capsule)]
         slenderness = np.median([limb.length / limb.radius for limb in limbs]) if limbs else 0.0
         build = "thin" if slenderness > 20 else "medium-thick" if slenderness > 8 else "thick"

@@ -86,7 +86,7 @@ class PlausibilityPrior:
 
     def _shapes(self, values: Array) -> Sequence[Shape]:
         # Unlike `Task.named`, this takes values that break the task's rules.
-        return self._task.shapes(dict(zip(self._task.names, values.tolist(), strict=True)))
+        return self._task.solids(dict(zip(self._task.names, values.tolist(), strict=True)))
 
     def _solids(self, values: Array) -> tuple[Array, Array, Array]:
         """Return lengths (n, p) in m (0 for balls), radii (n, p) in m and volumes (n,) in m³."""
