@@ -126,9 +126,7 @@ def rest_pose(model: mujoco.MjModel) -> Array:
         data = mujoco.MjData(model)
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
-        qpos[2] -= min(
-            min(one.start[2], one.end[2]) - one.radius for one in solids(model, data)
-        )
+        qpos[2] -= min(min(one.start[2], one.end[2]) - one.radius for one in solids(model, data))
     return qpos
 
 

@@ -97,7 +97,9 @@ def _map(
         element("path", d=f"M{x.start} {y.end}V{y.start}H{x.end}", klass="axis"),
         text("first direction", (x.start + x.end) / 2, _HEIGHT - 6, text_anchor="middle"),
     ]
-    best = {run.champion.best(run.objective).design} if run.champion and run.champion.trained else ()
+    best = (
+        {run.champion.best(run.objective).design} if run.champion and run.champion.trained else ()
+    )
     order = sorted(range(len(shown)), key=scores.__getitem__)
     for i in order:
         evaluation = shown[i].evaluation
@@ -105,7 +107,7 @@ def _map(
         at = x.at(float(flat[i, 0])), y.at(float(flat[i, 1]))
         fill, _ = colours(share(scores[i], *ends))
         mark = element("circle", cx=at[0], cy=at[1], r=5, fill=fill, klass="spot")
-        if evaluation.design in best:
+        if evaluation.design == champion:
             mark += element("circle", cx=at[0], cy=at[1], r=8, klass="ring champion")
         parts.append(tip(said, mark, evaluation.key))
     strongest = [

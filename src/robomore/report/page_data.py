@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any
 
+import numpy as np
+
 from robomore.errors import InvalidMorphology
 from robomore.runs import Run
 from robomore.runs.words import unit_of
@@ -121,22 +123,29 @@ def _stills(
             stills[morphologies[parameters]], seen = still(run.task, parameters)
         except InvalidMorphology:  # it was tried, and refused; its diagnosis says why
             continue
-        view = view or {
-            name: getattr(seen, name).tolist() for name in ("right", "up", "towards")
-        }
+        view = view or {name: getattr(seen, name).tolist() for name in ("right", "up", "towards")}
     return stills, view
 
 
+_LARGEST, _NOTHING = 65_534, 65_535
+
+
 def _curve(curve: Curve | None) -> dict[str, Any] | None:
+    """Return a curve whose values are steps of a 65,534th from the least to the largest."""
     if curve is None:
         return None
-    return {
-        "steps": curve.steps,
-        "series": {
-            sanitize(name): [_short(value, 4) for value in values]
-            for name, values in curve.series.items()
-        },
-    }
+    series = {}
+    for name, values in curve.series.items():
+        numbers = np.array([np.nan if value is None else value for value in values])
+        known = numbers[np.isfinite(numbers)]
+        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+        scaled = (numbers - low) * (_LARGEST / max(high - low, 1e-12))
+        series[sanitize(name)] = {
+            "low": low,
+            "step": (high - low) / _LARGEST,
+            "at": np.where(np.isfinite(scaled), np.round(scaled), _NOTHING).astype("<u2"),
+        }
+    return {"steps": np.array(curve.steps, np.float64).astype("<f4"), "series": series}
 
 
 def _numbered(values: Any) -> dict[Any, int]:

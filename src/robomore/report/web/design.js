@@ -8,6 +8,7 @@ import { differenceBlock, sourceBlock } from "./source.js";
 import { facts, make, number } from "./words.js";
 
 const COLOURS = 6; // of terms, as in the page's style
+const NOTHING = 65535; // of a curve, where nothing was measured
 
 export class DesignWindow {
   constructor(page) {
@@ -140,8 +141,7 @@ export class DesignWindow {
     if (!curve || this.shown !== one.key) return;
     const line = (name, label, n = 0) => ({
       name: label, kind: `term-${n % COLOURS}`,
-      points: curve.steps.map((step, i) => [step, curve.series[name]?.[i]])
-        .filter(([, value]) => value !== null && value !== undefined),
+      points: points(curve.steps, curve.series[name]),
     });
     const names = Object.keys(curve.series);
     const terms = names.filter((name) => name.startsWith("term/"));
@@ -157,4 +157,10 @@ export class DesignWindow {
       ...charts.map(([lines, name]) => chart(lines.filter(({ points }) => points.length), x, name))
         .filter(Boolean)));
   }
+}
+
+function points(steps, series) {
+  return [...steps].map((step, i) => [step, series?.at[i] ?? NOTHING])
+    .filter(([, at]) => at !== NOTHING)
+    .map(([step, at]) => [step, series.low + at * series.step]);
 }

@@ -103,7 +103,8 @@ export class Player {
   tick() {
     this.asked = requestAnimationFrame((now) => {
       if (!this.playing) return;
-      const passed = Math.min(0.2, (now - this.last) / 1000) * this.speed;
+      // A frame may have begun before it was asked for.
+      const passed = Math.min(0.2, Math.max(0, now - this.last) / 1000) * this.speed;
       this.last = now;
       if (this.visible !== false) {
         this.seconds += passed;

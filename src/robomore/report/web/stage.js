@@ -24,7 +24,7 @@ export class Stage {
     this.reach = Math.max(...episodes.map((episode) => new Robot(episode).size));
     this.together = false;
     this.follow = true;
-    this.frame = 0;
+    this.seconds = 0;
     this.views = episodes.map((episode) => this.view(episode));
     this.camera = new PerspectiveCamera(32, 1, 0.02 * this.reach, 400 * this.reach);
     this.camera.up.set(0, 0, 1);
@@ -63,8 +63,8 @@ export class Stage {
     towards.x += 0.25;
     if (Math.abs(towards.z) > 0.9) towards.y -= 0.5;
     const narrow = Math.min(1, this.aspect());
-    const away = (4.6 * this.reach) / narrow ** 0.8;
-    this.target = view.episode.way(this.frame);
+    const away = (3.9 * this.reach) / narrow ** 0.8;
+    this.target = view.episode.way(this.seconds / view.episode.data.dt);
     this.controls.target.copy(this.target);
     this.camera.position.copy(this.target).addScaledVector(towards.normalize(), away);
     this.controls.update();

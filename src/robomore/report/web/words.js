@@ -31,5 +31,5 @@ export function drawn(name, attributes = {}, ...content) {
 // A list of names and values.
 export function facts(pairs) {
   return make("dl", {}, ...pairs.filter(([, value]) => value !== null && value !== undefined
-    && value !== "").flatMap(([name, value]) => [make("dt", {}, name), make("dd", {}, value)]));
+    && value !== false && value !== "").flatMap(([name, value]) => [make("dt", {}, name), make("dd", {}, value)]));
 }
