@@ -97,9 +97,7 @@ def _map(
         element("path", d=f"M{x.start} {y.end}V{y.start}H{x.end}", klass="axis"),
         text("first direction", (x.start + x.end) / 2, _HEIGHT - 6, text_anchor="middle"),
     ]
-    best = (
-        {run.champion.best(run.objective).design} if run.champion and run.champion.trained else ()
-    )
+    champion = run.champion.design if run.champion else None
     order = sorted(range(len(shown)), key=scores.__getitem__)
     for i in order:
         evaluation = shown[i].evaluation
