@@ -34,6 +34,9 @@ class Running:
         before: how many of them were done when it began; its training goes on from there.
         steps: how many are done by now.
         began: on the clock.
+        timed_from: on the clock, from when on its speed is judged; `None` while it cannot be. The
+            first training of a worker compiles, which says nothing of the others.
+        timed_steps: how many were done then.
     """
 
     place: Place
@@ -41,6 +44,8 @@ class Running:
     before: int
     steps: int
     began: float
+    timed_from: float | None
+    timed_steps: int
 
 
 @dataclass(slots=True)
@@ -80,6 +85,7 @@ class RunState:
     spent: Spent | None = None
     trouble: str = ""
     began: float = 0.0
+    _taken_up: int = 0
     _work: Work = field(default_factory=Work)
     _waiting: Counter[int] = field(default_factory=Counter)
     """Places of the current batch that no worker has taken up, by the steps that they rest at. A
@@ -100,12 +106,18 @@ class RunState:
             case BatchBegan(places):
                 self._batch_began(places)
             case Started(key, place, steps):
-                before = self._work.trained.get(place, 0)
-                self.running[key] = Running(place, steps, before, before, self.clock())
+                before, now = self._work.trained.get(place, 0), self.clock()
+                warm = self.run is None or self._taken_up >= self.run.workers
+                timed_from = now if warm else None
+                self.running[key] = Running(place, steps, before, before, now, timed_from, before)
+                self._taken_up += 1
                 self._work.target = steps
                 self._start(place)
             case Progressed(key, steps) if key in self.running:
-                self.running[key].steps = max(steps, self.running[key].before)
+                one = self.running[key]
+                one.steps = max(steps, one.before)
+                if one.timed_from is None:
+                    one.timed_from, one.timed_steps = self.clock(), one.steps
             case Finished(evaluation, place, known):
                 self._finished(evaluation, place, known)
 
@@ -191,14 +203,21 @@ class RunState:
         self._start(place)
         self.open.pop(place, None)
         running = self.running.pop(evaluation.key, None)
-        # One that fails ends early.
-        timed = running is not None and evaluation.ok
-        seconds = self.clock() - running.began if running and timed else None
-        self._work.finish(place, evaluation.job.steps, seconds)
+        self._work.finish(place, evaluation.job.steps, self._timed(running, evaluation))
         if not evaluation.ok:
             self.trouble = f"{evaluation.status}: {evaluation.diagnosis}"
         elif self._stage(place).role == "search":
             self._rank(evaluation, place)
+
+    def _timed(self, running: Running | None, evaluation: Evaluation) -> tuple[int, float] | None:
+        """Return steps and seconds by which the speed is judged; one that fails ends early."""
+        if running is None or not evaluation.ok:
+            return None
+        # One that told of no progress before its half is timed as a whole.
+        since, done = running.timed_from, running.timed_steps
+        if since is None or 2 * done >= running.before + running.total:
+            since, done = running.began, running.before
+        return (running.total - done, self.clock() - since) if running.total > done else None
 
     def _rank(self, evaluation: Evaluation, place: Place) -> None:
         if self.run is None or evaluation.job.steps < self.run.settings.candidate.steps:

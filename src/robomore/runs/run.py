@@ -292,6 +292,11 @@ class Run:
         with closing(Ledger(RunFolder(self.folder).ledger, read_only=True)) as ledger:
             return ledger.curve(self.evaluation(key).key)
 
+    def curves(self) -> dict[str, Curve]:
+        """Return how each training went, by the key of its evaluation."""
+        with closing(Ledger(RunFolder(self.folder).ledger, read_only=True)) as ledger:
+            return ledger.curves()
+
     def load_policy(self, key: str | None = None) -> MLPPolicy:
         """Return the trained policy of an evaluation, by default of the champion's best seed.
 

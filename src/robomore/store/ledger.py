@@ -79,6 +79,16 @@ class Ledger(Rows):
                 raise self.damaged(error) from None
         return None
 
+    def curves(self) -> dict[str, Curve]:
+        """Return all training curves, by the keys of their evaluations."""
+        found = {}
+        for key, body, _ in self._select("SELECT * FROM curves"):
+            try:
+                found[key] = unpacked_curve(body)
+            except (ValueError, RecursionError) as error:
+                raise self.damaged(error) from None
+        return found
+
     def add_place(self, place: Place, key: str) -> None:
         """Note that the search asked for an evaluation in this place."""
         name = to_json(place).decode()
