@@ -234,9 +234,9 @@ def _tip(model: mujoco.MjModel) -> str:
 
 
 def _place(model: mujoco.MjModel) -> list[float]:
-    """Return a place that an arm can reach: beside its base, half as far as it is long."""
+    """Return a place that an arm can reach: before its base, four tenths as far as it is long."""
     reach = sum(link.length for link in find_links(model).values())
-    return [round(0.4 * reach, 2), round(0.2 * reach, 2), round(0.4 * reach, 2)]
+    return [round(share * reach, 2) for share in (0.25, 0.15, 0.25)]
 
 
 def _names(group: Sequence[Link]) -> list[str]:
