@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from tests.importer.dog import write_arm, write_dog
 
+from dog import write_arm, write_dog
 from robomore.envs.control_map import ControlMap
 from robomore.envs.registration import make_environment
 from robomore.envs.reward_text import reward_function
