@@ -53,9 +53,7 @@ def test_every_kind_of_solid_with_defaults_by_class() -> None:
 def test_code_in_a_template_is_refused() -> None:
     geom = '<geom size="{().__class__}"/>'
     with pytest.raises(ValueError, match="not plain arithmetic"):
-        solids(
-            '<mujoco><worldbody><body><geom size="{().__class__}"/></body></worldbody></mujoco>', {}
-        )
+        solids(f"<mujoco><worldbody><body>{geom}</body></worldbody></mujoco>", {})
 
 
 def test_a_typo_in_a_template_is_named() -> None:
@@ -64,3 +62,10 @@ def test_a_typo_in_a_template_is_named() -> None:
     assert wrong != swimmer.template
     with pytest.raises(InputError, match=r"uses 'front_radus', which is neither .* front_radius"):
         replace(swimmer, template=wrong)
+
+
+def test_a_template_that_reads_a_file_says_how_it_travels() -> None:
+    swimmer = get_task("swimmer")
+    mesh = '<asset><mesh name="shell" file="meshes/shell.obj"/></asset><worldbody>'
+    with pytest.raises(InputError, match=r"reads the file 'meshes/shell\.obj'.* into `assets`"):
+        replace(swimmer, template=swimmer.template.replace("<worldbody>", mesh))
