@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group, Parameter
 
 from robomore.cli.inputs import positive, read_duration, read_options
+from robomore.cli.whole import Whole
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -58,8 +59,8 @@ class Search:
     objective: Literal["efficiency", "fitness", "transport-economy"] | None = None
     max_volume: float | None = None
     max_density: float | None = None
-    evaluations: int | None = None
-    budget_steps: int | None = None
+    evaluations: Whole | None = None
+    budget_steps: Whole | None = None
     time_limit: str | None = None
 
     @property
@@ -86,7 +87,7 @@ class Training:
         given several times.
     """
 
-    steps: int | None = None
+    steps: Whole | None = None
     trainer: str | None = None
     trainer_option: Pairs = None
 
@@ -106,9 +107,9 @@ class Final:
         Training seeds of each design. Fewer than five give no interval.
     """
 
-    final_steps: int | None = None
-    finalists: int | None = None
-    final_seeds: int | None = None
+    final_steps: Whole | None = None
+    finalists: Whole | None = None
+    final_seeds: Whole | None = None
 
 
 @Parameter(name="*", group=Group("Machine", sort_key=7))
@@ -129,7 +130,7 @@ class Machine:
         Folder of the run. By default it is made in `runs/` and named after the options.
     """
 
-    workers: int | None = None
+    workers: Whole | None = None
     executor: str = "processes"
     containment: Literal["strict", "relaxed"] | None = None
     out: Path | None = None

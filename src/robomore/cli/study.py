@@ -10,6 +10,7 @@ from cyclopts import Group, Parameter
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen
 from robomore.cli.output import console, tell, write
 from robomore.cli.run_options import Machine
+from robomore.cli.whole import Whole
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ def study(
     /,
     *tasks: str,
     preset: str = "quick",
-    seeds: int | None = None,
+    seeds: Whole | None = None,
     arm: Annotated[list[str] | None, Parameter(negative="")] = None,
     designer: Annotated[str | None, Parameter(group=Group("Designer", sort_key=4))] = None,
     model: ModelOptions | None = None,
