@@ -37,6 +37,8 @@ class FinalSettings(Budget):
     seeds: int = 5
     """Training seeds of each design in the final. The paper says four; fewer than five seeds give
     no interval."""
+    require_audit: bool = False
+    """Whether a design has to pass its audit (`robomore.audit`) before it can be champion."""
 
 
 @dataclass(frozen=True, slots=True)

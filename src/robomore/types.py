@@ -53,18 +53,37 @@ class Design:
     reward: Reward
 
 
+@dataclass(frozen=True, slots=True)
+class Start:
+    """What a search starts from, besides the reference design: a morphology, a reward, or both.
+
+    Attributes:
+        origin: where it comes from, such as a file or a run's folder.
+        morphology: valid in the task of the run.
+        reward: that passes the static check.
+    """
+
+    origin: str
+    morphology: Morphology | None = None
+    reward: Reward | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "origin", encodable(self.origin))
+
+
 class Status(StrEnum):
     """How an evaluation ended. Anything but `OK` comes with a diagnosis and without numbers."""
 
     OK = "ok"
     INVALID_MORPHOLOGY = "invalid-morphology"
-    """Refused before training: out of bounds, against a rule, or MuJoCo does not compile it."""
+    """Refused before training: out of bounds, against a rule, not compiled by MuJoCo, or unhealthy
+    at every start."""
     INVALID_REWARD = "invalid-reward"
     """Refused before training: does not parse, or does not define the expected function."""
     REWARD_FAILED = "reward-failed"
     """Raised, or returned something that is not a finite number, while training."""
     UNSTABLE = "unstable"
-    """The simulation diverged."""
+    """The simulation diverged, in a short try before training or over and over in training."""
     TRAINING_DIVERGED = "training-diverged"
     """The trainer's own numbers did, which rewards of extreme size can cause."""
     TIMED_OUT = "timed-out"
@@ -186,10 +205,10 @@ class Evaluation:
         job: what was asked.
         status: how it ended.
         diagnosis: empty when `OK`; else one paragraph for people and designers alike.
-        fitness: mean over episodes, in m (the task says what is measured).
+        fitness: mean over episodes; the task says what is measured, and in which unit.
         volume: material of the robot, in m³ (sum over geoms, overlaps counted twice).
-        efficiency: fitness / volume, in 1/m^2.
-        episode_fitness: fitness of each episode, in m.
+        efficiency: fitness / volume.
+        episode_fitness: fitness of each episode.
         body: plain facts of the robot: `mass` kg, `density` kg/m³, `rest_height` m.
         behaviour: how the policy moved, name -> value, units in the names.
         terms: statistics of each reward term over training.

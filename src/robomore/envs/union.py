@@ -10,16 +10,13 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import mujoco
-import numpy as np
 
 from robomore.envs.compile import Parameters, compile_model
+from robomore.envs.solids import geom_solid, placed
 from robomore.tasks.task import Task
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-
-FACETS = 64
-"""Edges around each round part."""
 
 
 def union_volume(task: Task, parameters: Parameters) -> float | None:
@@ -46,8 +43,8 @@ def union_volume(task: Task, parameters: Parameters) -> float | None:
         body = int(model.geom_bodyid[geom])
         if body == 0:
             continue
-        place = np.c_[data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]]
-        solids.append(_solid(model, geom).transform(place))
+        solid = geom_solid(model, geom)
+        solids.append(placed(solid, data.geom_xmat[geom], data.geom_xpos[geom]))
         # Bodies without a joint between them are one rigid piece.
         piece = int(model.body_weldid[body])
         pieces[piece] = pieces[piece] + solids[-1] if piece in pieces else solids[-1]
@@ -57,13 +54,3 @@ def union_volume(task: Task, parameters: Parameters) -> float | None:
         filled += (solid - pieces[parent] if parent in pieces else solid).volume()
     # Facets cut a little off every part, off the union as off the sum; the ratio is free of it.
     return float(filled / sum(solid.volume() for solid in solids) * task.volume(parameters))
-
-
-def _solid(model: mujoco.MjModel, geom: int) -> Manifold:
-    from manifold3d import Manifold
-
-    radius, half = model.geom_size[geom, :2]
-    ball = Manifold.sphere(radius, FACETS)
-    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
-        return ball
-    return Manifold.batch_hull([ball.translate([0, 0, z]) for z in (-half, half)])

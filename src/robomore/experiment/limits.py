@@ -77,7 +77,7 @@ def _above(
 
 
 def _volume(task: Task, values: Values) -> float:
-    return sum(shape.volume for shape in task.shapes(values))
+    return sum(shape.volume for shape in task.solids(values))
 
 
 def _density(task: Task) -> Callable[[Values], float | None]:

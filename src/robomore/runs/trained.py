@@ -20,8 +20,8 @@ class TrainedDesign:
         design: morphology and reward.
         parameters: of the morphology, by name.
         volume: in m³.
-        fitness: over the seeds that trained, in m; `None` if none did.
-        efficiency: likewise, in m/m³.
+        fitness: over the seeds that trained, in the unit of the task; `None` if none did.
+        efficiency: likewise, over m³.
         body: `mass` kg, `density` kg/m³, `rest_height` m, as far as known.
         evaluations: one for each training seed, failed ones too.
     """

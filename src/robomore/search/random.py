@@ -15,6 +15,7 @@ from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
 from robomore.search.population import start
+from robomore.search.starts import Kind
 from robomore.tasks.task import Task
 from robomore.types import Design, Evaluation, Morphology, Place, Trial
 
@@ -44,6 +45,7 @@ class RandomSearch:
     Settings = RandomSettings
     summary: ClassVar[str] = "morphologies drawn around the reference, under the reference reward"
     needs_designer: ClassVar[bool] = False
+    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
     provenance: ClassVar[str] = (
         "No LLM was used: morphologies were drawn at random around the reference design."
     )
@@ -70,7 +72,10 @@ class RandomSearch:
         trials = []
         for n in range(self._count(context)):
             seed = derive_seed(context.seed, STAGE, n)
-            morphology = drawn(context.task, seed, self.settings.deviation)
+            given = context.starts[n : n + 1]
+            morphology = next(iter(given), None) or drawn(
+                context.task, seed, self.settings.deviation
+            )
             design = Design(morphology, context.reference.reward)
             trials.append(Trial(design, Place(stage=STAGE, index=(n,))))
         return ranked(evaluate(trials), context.objective)
@@ -80,7 +85,8 @@ class RandomSearch:
 
 
 def drawn(task: Task, seed: int, deviation: float) -> Morphology:
-    """Return a valid morphology from a Gaussian around the task's reference, cut at its bounds.
+    """Return a valid morphology from a Gaussian around the task's reference, cut at its search
+    ranges.
 
     Where a run's limits refuse the reference, its radii are scaled into them first.
 
@@ -93,6 +99,7 @@ def drawn(task: Task, seed: int, deviation: float) -> Morphology:
         NothingTrained: none of many draws passed the task's rules.
     """
     random = np.random.default_rng(seed)
+    task = task.searched()
     mean = np.array(start(task) or task.reference)
     low = np.array([parameter.low for parameter in task.parameters])
     high = np.array([parameter.high for parameter in task.parameters])

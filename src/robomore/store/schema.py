@@ -160,6 +160,10 @@ def _exchange(key: str, body: bytes) -> None:
 
 def _event(seq: int, kind: str, body: bytes) -> None:
     facts = msgspec.json.decode(body, type=dict[str, Any])
+    if kind == "hint":
+        found = msgspec.json.decode(body, type=dict[str, str])
+        if set(found) != {"slot", "hint"}:
+            raise ValueError("a hint without slot or text")
     if kind == "cut":
         msgspec.convert(facts, Cut)
 

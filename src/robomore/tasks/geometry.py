@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+LEAST_LENGTH = 1e-6
+"""Shortest capsule between the centres of its ends, in m. MuJoCo compiles one of this length and
+refuses one of 1e-9 m (`fromto points too close`)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Capsule:
@@ -38,4 +42,20 @@ class Sphere:
         return 4 / 3 * math.pi * self.radius**3
 
 
-Shape = Capsule | Sphere
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """A box, a cylinder, an ellipsoid or a mesh.
+
+    Attributes:
+        volume: in m³.
+    """
+
+    volume: float
+
+    @property
+    def radius(self) -> float:
+        """Radius in m of the ball that has this volume: a measure of its size."""
+        return float((3 * self.volume / (4 * math.pi)) ** (1 / 3))
+
+
+Shape = Capsule | Sphere | Solid
