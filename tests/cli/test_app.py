@@ -74,7 +74,7 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         ("run swimmer --method random --reference-reward in", "no option reference_reward"),
         ("run swimmer --reference-reward maybe", "reference-reward"),
         ("run swimmer --method random --designer offline", "asks no designer"),
-        ("run swimmer --executor ray", "no executor is called 'ray'"),
+        ("run swimmer --executor cloud", "no executor is called 'cloud'"),
         ("run swimmer --budget-steps 100", "larger --budget-steps"),
         ("run swimmer --time-limit soon", "write 90s, 30m or 2h"),
         ("run swimmer --time-limit 0", "write 90s, 30m or 2h"),
