@@ -11,6 +11,7 @@ from cyclopts import Parameter
 
 from robomore.cli.inputs import positive, seed_number
 from robomore.cli.output import tell, write
+from robomore.cli.whole import Whole
 
 
 def play(
@@ -21,8 +22,8 @@ def play(
     reference: Annotated[bool, Parameter(negative="")] = False,
     beside: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
-    seconds: int = 15,
-    seed: int = 0,
+    seconds: Whole = 15,
+    seed: Whole = 0,
     drawn: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Watch a champion, or any other design of a run, move.
@@ -71,7 +72,8 @@ def play(
     refuse_format(path)
     tell(f"writing {path} …\n")
     write_video(recordings, path, seconds, drawn)
-    write(f"{said}\nvideo: {path}\n")
+    shorter = any(recording.seconds > seconds for recording in recordings)
+    write(f"{said}\nvideo: {path}{f' (the first {seconds} s of it)' if shorter else ''}\n")
 
 
 def _has_screen() -> bool:

@@ -10,6 +10,7 @@ from robomore.cli.inputs import read_start, seed_number
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen, forecast
 from robomore.cli.output import tell, write, write_json
 from robomore.cli.run_options import Final, Machine, Search, Training, settings_of
+from robomore.cli.whole import Whole
 
 if TYPE_CHECKING:
     from robomore.designers import LanguageModel, Replay
@@ -21,7 +22,7 @@ def run(
     task: str,
     /,
     *,
-    seed: int = 0,
+    seed: Whole = 0,
     search: Search | None = None,
     training: Training | None = None,
     final: Final | None = None,
