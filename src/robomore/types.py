@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from robomore.text import encodable
+from robomore.text import encodable, one_line
 
 _NAME = re.compile(r"\w[\w.-]{0,99}", re.ASCII)
 """Keys of evaluations, which are names of folders too."""
@@ -28,7 +28,7 @@ class Morphology:
     idea: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "idea", encodable(self.idea))
+        object.__setattr__(self, "idea", one_line(self.idea))
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Reward:
         # Some editors and models put a byte order mark first.
         source = encodable(self.source).removeprefix("\ufeff")
         object.__setattr__(self, "source", source)
-        object.__setattr__(self, "idea", encodable(self.idea))
+        object.__setattr__(self, "idea", one_line(self.idea))
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,10 +206,10 @@ class Evaluation:
         status: how it ended.
         diagnosis: empty when `OK`; else one paragraph for people and designers alike.
         fitness: mean over episodes; the task says what is measured, and in which unit.
-        volume: material of the robot, in m^3 (sum over geoms, overlaps counted twice).
+        volume: material of the robot, in m³ (sum over geoms, overlaps counted twice).
         efficiency: fitness / volume.
         episode_fitness: fitness of each episode.
-        body: plain facts of the robot: `mass` kg, `density` kg/m^3, `rest_height` m.
+        body: plain facts of the robot: `mass` kg, `density` kg/m³, `rest_height` m.
         behaviour: how the policy moved, name -> value, units in the names.
         terms: statistics of each reward term over training.
         steps: control steps of training done.
@@ -241,7 +241,8 @@ class Evaluation:
         """Refuse what no evaluation has, so that it can always be kept and read again.
 
         Raises:
-            ValueError: a number that is not finite, or a name that is no plain component of a path.
+            ValueError: a number that is not finite, a name of a file that is no plain component of
+                a path, or a name of a value that is not one line of text.
         """
         numbers = (
             *(x for x in (self.fitness, self.volume, self.efficiency) if x is not None),
@@ -254,6 +255,9 @@ class Evaluation:
             raise ValueError("so many steps nobody trains")
         if not _NAME.fullmatch(self.key) or not _NAME.fullmatch(self.artifact or self.key):
             raise ValueError(f"key {self.key!r} or artifact {self.artifact!r} is no plain name")
+        for name in (*self.body, *self.behaviour, *self.terms):
+            if not name.isprintable():
+                raise ValueError(f"the name {name[:50]!r} is not one line of text")
 
     @property
     def design(self) -> Design:

@@ -128,7 +128,7 @@ def _progress(steps: int) -> Iterator[Callable[[int], None]]:
 
 
 def _print(evaluation: Evaluation, goal: Fitness) -> None:
-    from robomore.runs.words import duration, number
+    from robomore.runs.words import duration, label, measured, number
 
     lines = [f"status      {evaluation.status}"]
     if evaluation.ok:
@@ -140,7 +140,10 @@ def _print(evaluation: Evaluation, goal: Fitness) -> None:
             f"fitness     {number(evaluation.fitness)} {goal.unit}".rstrip() + f" ({spread})",
             f"volume      {number(evaluation.volume)} m³",
         ]
-        lines += [f"{name:10}  {number(value)}" for name, value in evaluation.behaviour.items()]
+        lines += [
+            f"{label(name)}: {measured(name, value)}"
+            for name, value in evaluation.behaviour.items()
+        ]
         lines += [
             f"term {name}: mean {number(term.mean)}, from {number(term.low)} to {number(term.high)}"
             for name, term in evaluation.terms.items()

@@ -133,16 +133,31 @@ def read_options(option: str, given: Sequence[str] | None, example: str) -> dict
 
 
 def read_duration(option: str, given: str) -> float:
-    """Return a time such as `90`, `90s`, `30m` or `2h` in seconds.
+    """Return a time such as `90s`, `30m` or `2h` in seconds.
+
+    Raises:
+        InputError: it is none, has no unit, or is not above 0.
+    """
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", given.strip())
+    if not found or not float(found[1]):
+        raise InputError(f"--{option} {given} is no time; write 90s, 30m or 2h")
+    number, unit = found.groups()
+    if unit is None:
+        raise InputError(f"--{option} {given} has no unit; write {number}s, {number}m or {number}h")
+    return float(number) * {"s": 1, "m": 60, "h": 3600}[unit]
+
+
+def read_bytes(option: str, given: str) -> int:
+    """Return an amount of memory such as `512MiB` or `2GiB` in bytes.
 
     Raises:
         InputError: it is none, or not above 0.
     """
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", given.strip())
-    seconds = float(found[1]) * {None: 1, "s": 1, "m": 60, "h": 3600}[found[2]] if found else 0.0
-    if not seconds:
-        raise InputError(f"--{option} {given} is no time; write 90s, 30m or 2h")
-    return seconds
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMGT])(?:i?B)?", given.strip())
+    amount = int(float(found[1]) * 2 ** (10 * (1 + "KMGT".index(found[2])))) if found else 0
+    if not amount:
+        raise InputError(f"--{option} {given} is no amount of memory; write 512MiB or 2GiB")
+    return amount
 
 
 def read_text(path: Path, remedy: str) -> str:

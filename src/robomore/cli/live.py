@@ -126,7 +126,7 @@ class PlainLines:
                 self._say(f"containment: {event.containment}")
             case BatchBegan() if state.stage != self._stage:
                 self._stage = state.stage
-                self._say(f"{state.stage}: {_several(state.asked, 'evaluation')} to begin with")
+                self._say(f"{state.stage}: {_several(state.batch, 'evaluation')} to begin with")
             case Proposed() if event.failure:
                 why = one_line(event.failure)[:_LONGEST]
                 self._say(f"{event.slot}, attempt {event.slot.attempt + 1}: {why}")

@@ -76,13 +76,13 @@ def run(
 
     if isinstance(proposing, LanguageModel) and not quiet:
         tell(forecast(wanted, proposing, settings) + "\n")
-    with watched(quiet) as observe:
+    with machine.opened() as executor, watched(quiet) as observe:
         found = start(
             wanted,
             settings,
             designer=proposing,
             seed=seed,
-            executor=machine.executor,
+            executor=executor,
             workers=machine.workers,
             out=machine.out,
             budget_steps=search.budget_steps,

@@ -30,7 +30,7 @@ def show(
     Parameters
     ----------
     run
-        A run's folder. The run may still go on.
+        A run's folder, where the run may still go on; or a gallery, or one champion in it.
     evaluation
         Key of one of the run's evaluations, or its beginning, instead of the champion.
     reference
@@ -39,8 +39,17 @@ def show(
         Print JSON: everything with every digit, each training seed too.
     """
     from robomore.report import as_data
+    from robomore.runs.gallery import is_entry
+    from robomore.store import RunFolder
 
-    chosen = _chosen(run, evaluation, reference)
+    if run.is_dir() and not RunFolder(run).manifest.is_file() and _holds_designs(run):
+        from robomore.cli.gallery import show_entry, show_gallery
+
+        if evaluation or reference:
+            raise InputError(f"{run} is no run; leave out --evaluation and --reference")
+        (show_entry if is_entry(run) else show_gallery)(run, as_json)
+        return
+    chosen = chosen_run(run, evaluation, reference)
     if as_json:
         write_json(as_data(chosen))
         return
@@ -76,7 +85,7 @@ def report(
     """
     from robomore.report import write_report
 
-    write(f"{write_report(_chosen(run, evaluation, reference), out)}\n")
+    write(f"{write_report(chosen_run(run, evaluation, reference), out)}\n")
 
 
 def print_outcome(run: Run) -> None:
@@ -94,7 +103,14 @@ def print_outcome(run: Run) -> None:
     )
 
 
-def _chosen(path: Path, evaluation: str | None, reference: bool) -> Run:
+def _holds_designs(path: Path) -> bool:
+    """Return whether a folder is a design's, or holds folders of designs."""
+    from robomore.runs.gallery import is_entry
+
+    return is_entry(path) or any(is_entry(one) for one in path.iterdir() if one.is_dir())
+
+
+def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
     """Return the run with what was asked for in the champion's place.
 
     Raises:

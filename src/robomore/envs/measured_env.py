@@ -79,7 +79,6 @@ class MeasuredEnv(VectorEnv):
         hinges = driven[model.jnt_type[driven] == mujoco.mjtJoint.mjJNT_HINGE]
         self._angles = model.jnt_qposadr[hinges]
         self._free = bool(model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
-        self._controlled = Gather([[one.ctrl] for one in self.data])
         self._saturated: Array = np.zeros(num_envs)
         self._on_ground = model.geom_bodyid == 0
         self._seeds = [0] * num_envs
@@ -98,17 +97,20 @@ class MeasuredEnv(VectorEnv):
     def _simulate(self) -> None:
         motors = self.action_size
         self._work[:] = 0.0
-        self._controlled.read()
-        at_limit = np.abs(self._controlled.values) >= _AT_LIMIT
+        at_limit = np.abs(self._actions) >= _AT_LIMIT
         self._saturated += at_limit.sum(axis=1) / max(1, motors)
         # MuJoCo steps as often as in one call; between the steps, the power is read.
         for _ in range(self._frame_skip):
             for data in self.data:
                 mujoco.mj_step(self.model, data)
             self._power.read()
+            self._note_substep()
             force, velocity = self._power.values[:, :motors], self._power.values[:, motors:]
             self._work += np.abs(force * velocity).sum(axis=1)
         self._work *= self.model.opt.timestep
+
+    def _note_substep(self) -> None:
+        """Look at `data` after each of MuJoCo's own steps; an audit does."""
 
     def _settle_diverged(self) -> bool:
         diverged = super()._settle_diverged()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, ExitStack, closing, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,8 @@ from robomore.designers.started import StartedDesigner
 from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitReached
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, ignore, one_at_a_time
-from robomore.executors import EXECUTORS, thread_map
+from robomore.executors import EXECUTORS, Executor, thread_map
+from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
@@ -36,6 +37,7 @@ from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
+from robomore.tasks.portable import task_content
 from robomore.training.settings import ensure_trainer, packages_for
 from robomore.types import Design, Evaluation, Morphology, Reward, Start
 
@@ -46,7 +48,7 @@ def run(
     *,
     designer: str | LanguageModel | Replay | None = None,
     seed: int = 0,
-    executor: str = "processes",
+    executor: str | Executor = "processes",
     workers: int | None = None,
     out: str | Path | None = None,
     budget_steps: int | None = None,
@@ -66,8 +68,11 @@ def run(
         designer: who proposes: a name, a language model, or what one said in another run; by
             default the offline designer, if the method asks one at all.
         seed: same seed, same result, whatever the number of workers.
-        executor: where evaluations run: `processes`, or `inline` in this process.
-        workers: evaluations side by side, one a core by default.
+        executor: where evaluations run: `processes`, `inline` in this process, or `ray` on this
+            machine; or an executor of your own making, which is left open
+            (`robomore.executors.ray.Ray` for a cluster).
+        workers: evaluations side by side, one a core by default. An executor of your own making
+            knows its own number.
         out: the run's folder; by default `runs/TASK-SETTINGS-DESIGNER-sSEED`.
         budget_steps: control steps of training that the search may use; the final comes on top.
             The same call with a larger budget goes on.
@@ -93,18 +98,19 @@ def run(
     task = get_task(task) if isinstance(task, str) else task
     observe = one_at_a_time(observe)
     name = name or (settings if isinstance(settings, str) else "custom")
-    workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     method = make_method(settings.method)
-    make_executor = EXECUTORS.get(executor)
+    make_executor = _executor(executor, workers)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     _refuse_useless(task, settings, method, designer, seed, budget_steps, time_limit)
     # Search and designer know the limits as rules; a worker knows the task as it is.
     searched = limited(task, settings)
     starts = checked_starts(searched, start_from)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
-    ours = designer in (None, "offline") and not any(start.reward for start in starts)
-    mode, layers = choose_containment(containment, ours)
+    given = [one.reward.source for one in starts if one.reward]
+    given.append(settings.method.options.get("reward"))
+    ours = designer in (None, "offline") and all(one in (None, task.reward) for one in given)
+    mode, layers = choose_containment(containment, ours=ours)
     chosen = _no_designer(method)
     if method.needs_designer:
         proposing = designer or "offline"
@@ -156,7 +162,10 @@ def run(
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
+        if content := task_content(task):
+            folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
+        doing = stack.enter_context(make_executor())
         observe(
             RunBegan(
                 task=task.id,
@@ -166,7 +175,7 @@ def run(
                 designer=chosen.name,
                 provenance=manifest.provenance,
                 seed=seed,
-                workers=workers,
+                workers=doing.workers,
                 folder=out,
                 containment=layers,
                 budget_steps=budget_steps,
@@ -181,7 +190,7 @@ def run(
             versions=manifest.versions,
             ledger=ledger,
             folder=folder,
-            executor=stack.enter_context(closing(make_executor(workers))),
+            executor=doing,
             containment=mode,
             observe=observe,
             time_is_up=time_is_up,
@@ -202,6 +211,9 @@ def run(
                 settings.final.seeds,
                 settings.objective,
                 lambda morphology: not refusal(searched, morphology),
+                partial(doubt, evaluator, task, settings.objective)
+                if settings.final.require_audit
+                else no_doubt,
             )
             evaluator.restore_policies(outcome.champion)
             save_champion(folder, task, outcome.champion, settings.objective)
@@ -216,6 +228,20 @@ def run(
             ledger.add_event("time-limit", seconds=time_limit)
         write_report(out)
     return load_run(out)
+
+
+def _executor(
+    asked: str | Executor, workers: int | None
+) -> Callable[[], AbstractContextManager[Executor]]:
+    """Return what makes the executor, or hands on the one that was given.
+
+    Raises:
+        InputError: no executor has that name.
+    """
+    if not isinstance(asked, str):
+        return lambda: nullcontext(asked)
+    make = EXECUTORS.get(asked)
+    return lambda: closing(make(workers or available_cores()))
 
 
 def _search(
@@ -248,7 +274,11 @@ def _note_final(ledger: Ledger, outcome: Final) -> None:
         name: [evaluation.key for evaluation in getattr(outcome, name)]
         for name in ("champion", "found", "reference", "morphology_only", "reward_only")
     }
-    ledger.add_event("finished", **groups)
+    passed_over = [
+        {"keys": [evaluation.key for evaluation in group], "reason": reason}
+        for group, reason in outcome.passed_over
+    ]
+    ledger.add_event("finished", **groups, **({"passed_over": passed_over} if passed_over else {}))
 
 
 def _refuse_useless(

@@ -35,6 +35,8 @@ def command_line(manifest: Manifest) -> str | None:
             flag = f"--{option.removesuffix('s').replace('_', '-')}"
             for name, chosen in value.items():
                 words += [flag, f"{name}={_plain(chosen)}"]
+        elif value is True:
+            words.append(f"--{option.replace('_', '-')}")
         else:
             words += [f"--{option.replace('_', '-')}", str(value)]
     return shlex.join(words)

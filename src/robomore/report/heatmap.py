@@ -17,6 +17,8 @@ _CELL_HEIGHT = 26.0
 def heatmap(grid: Grid, objective: str, unit: str) -> str:
     """Return the grid; a failed cell is crossed out and says why when it is pointed at or tapped.
 
+    A cell that is chosen opens its design.
+
     What screening cut short is pale, and what it left out says so.
 
     Args:
@@ -75,16 +77,16 @@ def _cell(
         if width > 84:
             mark = _label(str(evaluation.status), x, y, width)
         shown = _box(x, y, width, klass="cell-failed")
-        return element("g", tip(said, shown + mark), klass="failed")
+        return element("g", tip(said, shown + mark, evaluation.key), klass="failed")
     said = (
         f"{name}: {in_unit(evaluation.efficiency, 'efficiency', unit)} = "
         f"{equation(evaluation, unit)} after {evaluation.job.steps:,} "
         f"steps{', cut by screening' if cell.cut else ''}. "
         f"{evaluation.design.morphology.idea} / {evaluation.design.reward.idea}"
     )
-    fill, ink = _colours(_share(score, *ends))
+    fill, ink = colours(share(score, *ends))
     label = _label(number(score, 3), x, y, width, style=f"fill:{ink}") if width > 44 else ""
-    return tip(said, _box(x, y, width, fill=fill) + label)
+    return tip(said, _box(x, y, width, fill=fill) + label, evaluation.key)
 
 
 def _box(x: float, y: float, width: float, **attributes: object) -> str:
@@ -97,14 +99,14 @@ def _label(said: str, x: float, y: float, width: float, **attributes: object) ->
     return text(said, x + width / 2, below, text_anchor="middle", **attributes)
 
 
-def _share(score: float, low: float, high: float) -> float:
+def share(score: float, low: float, high: float) -> float:
     """Return where a score stands between `low` (0) and `high` (1) in powers; below zero is 0."""
     if score <= 0 or high <= low:
         return float(score >= high > 0)
     return math.log(score / low) / math.log(high / low)
 
 
-def _colours(share: float) -> tuple[str, str]:
+def colours(share: float) -> tuple[str, str]:
     """Return the colour of a cell and of the text in it."""
     at = share * (len(_ANCHORS) - 1)
     index = min(int(at), len(_ANCHORS) - 2)
@@ -120,7 +122,7 @@ def _legend(low: float, high: float, y: float, unit: str) -> str:
     steps, width = 24, 180.0
     boxes = [
         element("rect", x=_LEFT + i * width / steps, y=y, width=width / steps + 0.5, height=8,
-                fill=_colours(i / (steps - 1))[0])
+                fill=colours(i / (steps - 1))[0])
         for i in range(steps)
     ]  # fmt: skip
     ends = text(number(low, 3), _LEFT, y + 22, klass="tick")

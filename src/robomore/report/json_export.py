@@ -71,6 +71,7 @@ def as_data(run: Run) -> dict[str, Any]:
             for failure in run.failures
         ],
         "empty_slots": [{"slot": str(one.slot), "reason": one.reason} for one in run.empty],
+        "passed_over": list(run.passed_over),
         "warnings": list(run.warnings),
         "task_changes": list(run.task_changes),
         "versions": manifest.versions,

@@ -47,8 +47,8 @@ class GeneticSettings:
     mutation: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.1
     """Standard deviation of a mutation, as a fraction of each parameter's range."""
     deviation: Annotated[float, msgspec.Meta(gt=0)] = 0.5
-    """Standard deviation of the first generation around the reference, as a share of each reference
-    value; the reference itself is in it."""
+    """Standard deviation of the first generation around the reference, as a fraction of each
+    reference value; the reference itself is in it."""
 
 
 class Genetic:

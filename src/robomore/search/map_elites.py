@@ -67,8 +67,8 @@ class MapElitesSettings:
     line: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.3
     """Standard deviation of a step along the line to another elite, as a fraction of the way."""
     deviation: Annotated[float, msgspec.Meta(gt=0)] = 0.5
-    """Standard deviation of the first draws around the reference, as a share of each reference
-    value."""
+    """Standard deviation of the first draws around the reference, as a fraction of each
+    reference value."""
 
 
 class MapElites:

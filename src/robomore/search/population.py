@@ -88,6 +88,10 @@ def start(task: Task) -> tuple[float, ...] | None:
 
     A run's limits may refuse the reference itself. `None` where they refuse every scale.
     """
+    try:
+        return task.check(task.reference)
+    except InvalidMorphology:
+        pass
     radii, task = UnitSpace(task).radii, task.searched()
     reference = np.array(task.reference)
     for scale in sorted(np.geomspace(1e-2, 1e2, _SCALES), key=lambda one: abs(math.log(one))):

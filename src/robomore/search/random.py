@@ -23,7 +23,7 @@ DRAWS = 2000
 """Draws before giving up on a valid morphology."""
 
 LEAST_SHARE = 0.1
-"""A parameter whose reference value is near 0 varies as if it were this share of its range."""
+"""A parameter whose reference value is near 0 varies as if it were this fraction of its range."""
 
 STAGE = "samples"
 
@@ -35,8 +35,8 @@ class RandomSettings:
     samples: Annotated[int, msgspec.Meta(ge=1)] | None = None
     """Morphologies to draw; by default as many as the preset's search has full trainings."""
     deviation: Annotated[float, msgspec.Meta(gt=0)] = 0.5
-    """Standard deviation of each parameter, as a share of its reference value. A half gives about
-    the coefficient of variation that the paper reports (Table 3)."""
+    """Standard deviation of each parameter, as a fraction of its reference value. A half gives
+    about the coefficient of variation that the paper reports (Table 3)."""
 
 
 class RandomSearch:
@@ -93,7 +93,7 @@ def drawn(task: Task, seed: int, deviation: float) -> Morphology:
     Args:
         task: whose parameters these are.
         seed: of the draw.
-        deviation: standard deviation, as a share of each reference value.
+        deviation: standard deviation, as a fraction of each reference value.
 
     Raises:
         NothingTrained: none of many draws passed the task's rules.

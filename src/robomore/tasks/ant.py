@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from robomore.tasks.geometry import LEAST_LENGTH, Capsule, Shape, Sphere
+from robomore.tasks.geometry import LEAST_LENGTH
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
 from robomore.tasks.terrain import DESERT, on_terrain
@@ -60,14 +60,6 @@ JUMP_REWARD = '''def _get_rew(self, x_velocity, action):
 def start_height(values: Values) -> float:
     """Return the torso's height when an episode starts, in m, before reset noise."""
     return _length(values, "foot") + START_CLEARANCE
-
-
-def _shapes(values: Values) -> tuple[Shape, ...]:
-    legs = (
-        Capsule(values[f"{part}_radius"], _length(values, part), 4)
-        for part in ("hip", "leg", "foot")
-    )
-    return (Sphere(values["torso_radius"]), *legs)
 
 
 def _length(values: Values, part: str) -> float:
@@ -177,7 +169,6 @@ ANT = Task(
         ),
     ),
     version=2,
-    shapes=_shapes,
     reward=ANT_REWARD,
     environment="robomore.envs.robots.ant:AntEnvironment",
     options=lambda values: {"healthy_z_range": (LOWEST_TORSO, HIGHEST_TORSO)},

@@ -67,7 +67,7 @@ def _fingerprint(same: _Same) -> dict[str, str]:
         "options": _results(task.options, probes),
         "rules": [_rule(rule, probes) for rule in task.rules],
         "search rules": [_rule(rule, probes) for rule in task.search_rules],
-        "shapes": _results(lambda values: [one.volume for one in task.shapes(values)], probes),
+        "shapes": _results(lambda values: [one.volume for one in task.solids(values)], probes),
         "reward": task.reward,
         "environment": [task.environment, own_source(task.environment.partition(":")[0])],
         "code": [own_source(module) for module in sorted(modules)],
@@ -77,6 +77,9 @@ def _fingerprint(same: _Same) -> dict[str, str]:
         "description": task.description,
         "version": task.version,
     }
+    if task.assets or task.mass:
+        sums = [[name, hashlib.sha256(data).hexdigest()] for name, data in task.assets.items()]
+        parts["assets"] = [sorted(sums), sorted(task.mesh_volumes.items()), task.mass]
     return {name: content_key(part)[:_HEX_DIGITS] for name, part in parts.items()}
 
 

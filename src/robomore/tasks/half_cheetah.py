@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from itertools import accumulate
 
-from robomore.tasks.geometry import LEAST_LENGTH, Capsule, Shape
+from robomore.tasks.geometry import LEAST_LENGTH
 from robomore.tasks.swimmer import SPEED_REWARD
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
@@ -39,11 +39,6 @@ REFERENCE_RADIUS = 0.046
 def start_height(values: Values) -> float:
     """Return the torso's height at the start, in m: both legs straight down as drawn."""
     return max(abs(sum(values[f"{leg}_{segment}_z"] for segment in SEGMENTS)) for leg in LEGS)
-
-
-def _shapes(values: Values) -> tuple[Shape, ...]:
-    torso = Capsule(values["torso_radius"], values["torso_front"] - values["torso_back"])
-    return (torso, *(Capsule(values[f"{p}_radius"], _length(values, p)) for p in ("head", *LIMBS)))
 
 
 def _length(values: Values, part: str) -> float:
@@ -167,7 +162,6 @@ HALF_CHEETAH = Task(
         Rule("no radius is larger than the torso's start height", _too_thick),
     ),
     version=2,
-    shapes=_shapes,
     reward=SPEED_REWARD,
     environment="robomore.envs.robots.half_cheetah:HalfCheetahEnvironment",
     constants={"pi": math.pi},

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
-from robomore.tasks.geometry import LEAST_LENGTH, Capsule, Shape
+from robomore.tasks.geometry import LEAST_LENGTH
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
 
@@ -48,16 +48,6 @@ HEIGHTS = ("torso_top", "hip_height", "knee_height", "ankle_height")
 def rest_height(values: Values) -> float:
     """Return the height of the torso's middle when the robot stands upright, in m."""
     return (values["torso_top"] + values["hip_height"]) / 2
-
-
-def shapes(values: Values, legs: int) -> tuple[Shape, ...]:
-    """Return the solids of a robot with `legs` equal legs."""
-    return (
-        Capsule(values["torso_radius"], values["torso_top"] - values["hip_height"]),
-        Capsule(values["thigh_radius"], values["hip_height"] - values["knee_height"], legs),
-        Capsule(values["leg_radius"], values["knee_height"] - values["ankle_height"], legs),
-        Capsule(values["foot_radius"], abs(values["foot_front"] - values["foot_back"]), legs),
-    )
 
 
 def parameters(foot_back: float, foot_front: float, foot_note: str = "") -> tuple[Parameter, ...]:
@@ -186,10 +176,6 @@ def health(values: Values) -> dict[str, Any]:
     }
 
 
-def _shapes_of(legs: int) -> Callable[[Values], tuple[Shape, ...]]:
-    return lambda values: shapes(values, legs)
-
-
 HOPPER = Task(
     id="hopper",
     title="Hopper",
@@ -214,7 +200,6 @@ HOPPER = Task(
         ),
     ),
     version=2,
-    shapes=_shapes_of(legs=1),
     reward=REWARD,
     environment="robomore.envs.robots.hopper:HopperEnvironment",
     options=lambda values: {**health(values), "healthy_state_range": (-100.0, 100.0)},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robomore.tasks.geometry import LEAST_LENGTH, Capsule, Shape
+from robomore.tasks.geometry import LEAST_LENGTH
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
 
@@ -25,10 +25,6 @@ SPEED_REWARD = '''def _get_rew(self, x_velocity, action):
     terms = {"forward": forward, "effort": -effort}
     return reward, terms
 '''
-
-
-def _shapes(values: Values) -> tuple[Shape, ...]:
-    return tuple(Capsule(values[f"{link}_radius"], values[f"{link}_length"]) for link in LINKS)
 
 
 def least_radius(shortest: float) -> float:
@@ -94,7 +90,6 @@ SWIMMER = Task(
         ),
     ),
     version=2,
-    shapes=_shapes,
     reward=SPEED_REWARD,
     environment="robomore.envs.robots.swimmer:SwimmerEnvironment",
     # A stroke takes seconds to pay: with 0.99 a policy settles for a quarter of the way.

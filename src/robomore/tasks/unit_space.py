@@ -65,7 +65,7 @@ class UnitSpace:
         changed = self.values(np.vstack((centre, centre + 0.01 * np.eye(self.size))))
         # Unlike `Task.named`, the shapes take values that break the task's rules.
         named = (dict(zip(self.task.names, row, strict=True)) for row in changed.tolist())
-        base, *others = ([shape.radius for shape in self.task.shapes(one)] for one in named)
+        base, *others = ([shape.radius for shape in self.task.solids(one)] for one in named)
         return np.array([base != other for other in others])
 
     def _accepts(self, values: Sequence[float]) -> bool:

@@ -22,7 +22,6 @@ WALKER = Task(
     rules=hopper.RULES,
     search_rules=hopper.STANDING_RULES,
     version=2,
-    shapes=lambda values: hopper.shapes(values, legs=2),
     reward=hopper.REWARD,
     environment="robomore.envs.robots.walker:WalkerEnvironment",
     options=hopper.health,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from statistics import stdev
 
 from robomore.tasks.fitness import Fitness
@@ -21,8 +22,10 @@ def morphology_lines(task: Task, morphology: Morphology) -> list[str]:
 
 
 def reward_lines(reward: Reward) -> list[str]:
-    """Return the program text of a reward between fences."""
-    return ["```python", reward.source.strip(), "```"]
+    """Return the program text of a reward between fences that it does not hold itself."""
+    longest = max(map(len, re.findall("`+", reward.source)), default=0)
+    fence = "`" * max(3, longest + 1)
+    return [f"{fence}python", reward.source.strip(), fence]
 
 
 def evaluation_lines(

@@ -218,7 +218,7 @@ def _improve(
     if part == "morphology":
         entries = morphology_entries(task, objective, design.reward, measured, curve_of)
         improved = [*morphology, volume]
-        partner = {"reward": design.reward.source.strip(), "partner": numbers.reward(design)}
+        partner = {"reward": "\n".join(reward), "partner": numbers.reward(design)}
     else:
         entries = reward_entries(task, objective, design.morphology, measured, curve_of)
         improved = reward
