@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robomore.runs.words import EFFICIENCY_UNIT, number
+from robomore.runs.words import in_unit, number
 from robomore.store.audit import Audit
 
 
@@ -16,17 +16,22 @@ def in_sum(audit: Audit) -> tuple[str, ...]:
         first = f"The design fails {len(audit.failed)} of {count} checks: {names}"
     if audit.warned:
         first += f", {len(audit.warned)} warn"
-    worth = f"{number(audit.efficiency)} {EFFICIENCY_UNIT} ({number(audit.fitness)} m)"
+    worth = _worth(audit.efficiency, audit.fitness, audit.fitness_unit)
     equal = audit.equal_density
     matter = (
         f"at the reference design's density ({number(equal['density'])} kg/m³, "
         f"{number(equal['mass'])} kg)"
     )
     if "fitness" in equal:
-        same = f"{number(equal['efficiency'])} {EFFICIENCY_UNIT} ({number(equal['fitness'])} m)"
+        same = _worth(equal["efficiency"], equal["fitness"], audit.fitness_unit)
     else:
         same = "nothing, since the physics diverges"
     return f"{first}.", f"Efficiency in the audit {worth}; {matter} {same}."
+
+
+def _worth(efficiency: float | None, fitness: float | None, unit: str) -> str:
+    inside = f"{number(fitness)} {unit}".rstrip()
+    return f"{in_unit(efficiency, 'efficiency', unit)} ({inside})"
 
 
 def as_markdown(audit: Audit) -> str:

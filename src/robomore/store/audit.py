@@ -55,6 +55,7 @@ class Audit:
             same policy. Without the last two, the physics diverged.
         verdicts: one for each check.
         versions: of the packages that decide the numbers.
+        fitness_unit: unit of the task's fitness; empty for a number without one.
         format: of this file.
     """
 
@@ -67,6 +68,7 @@ class Audit:
     equal_density: dict[str, float]
     verdicts: tuple[Verdict, ...]
     versions: dict[str, str] = field(default_factory=dict)
+    fitness_unit: str = "m"
     format: int = FORMAT
 
     @property
