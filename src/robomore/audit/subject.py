@@ -69,7 +69,7 @@ class Subject:
         found = self.measured(variant)
         if found is None:
             return None
-        measure = "height_gain_m" if self.task.fitness == "height" else "forward_distance_m"
+        measure = "height_gain_m" if self.task.goal.motion == "upward" else "forward_distance_m"
         return found.behaviour[measure]
 
     @cached_property

@@ -47,6 +47,9 @@ class _Official:
     overrides: str = ""
 
 
+_MEASURED = ("distance", "height")
+"""What an exported package can measure by itself."""
+
 _OFFICIAL = {
     "robomore.envs.robots.ant:AntEnvironment": _Official("ant_v5", "AntEnv", "robot.data.qpos[2]"),
     "robomore.envs.robots.hopper:HopperEnvironment": _Official("hopper_v5", "HopperEnv"),
@@ -102,9 +105,15 @@ def environment_package(
         policy: text of the module that acts.
 
     Raises:
-        ExportFailed: the task's options cannot be written down.
+        ExportFailed: the task's options cannot be written down, or its fitness is another one than
+            distance or height.
     """
     task, package = run.task, package_name(run.task, name)
+    if task.goal.name not in _MEASURED:
+        raise ExportFailed(
+            f"{task.id} is about {task.goal.name}, and an exported package measures "
+            f"{' or '.join(_MEASURED)} alone"
+        )
     parameters = evaluation.design.morphology.parameters
     if task.goal.name not in _MEASURED:
         raise ExportFailed(
