@@ -61,8 +61,8 @@ def with_options(
         evaluations: about how many full trainings a search may use, for methods that are not told
             a size of their own.
         objective: what is compared: `efficiency`, `fitness` or `transport-economy`.
-        max_volume: largest volume of a design, in m^3.
-        max_density: largest mass divided by volume, in kg/m^3.
+        max_volume: largest volume of a design, in m³.
+        max_density: largest mass divided by volume, in kg/m³.
 
     Raises:
         InputError: a number out of range, or an unknown objective.

@@ -58,9 +58,9 @@ class RunSettings:
     objective: Objective = "efficiency"
     """What is compared. The paper optimises efficiency."""
     max_volume: float | None = None
-    """Largest volume of a design, in m^3; a larger one is refused before training."""
+    """Largest volume of a design, in m³; a larger one is refused before training."""
     max_density: float | None = None
-    """Largest mass divided by volume, in kg/m^3; a denser design is refused before training."""
+    """Largest mass divided by volume, in kg/m³; a denser design is refused before training."""
 
 
 ROBOMORE = "robomore"

@@ -20,6 +20,8 @@ from robomore.errors import InputError, Interrupted, RoboMoReError
 COMMANDS = {
     "tasks": ("robomore.cli.tasks:tasks", "List the tasks."),
     "inspect": ("robomore.cli.tasks:inspect", "Show one robot: volume, mass, MJCF, a picture."),
+    "new": ("robomore.cli.own_robot:new", "Make a task from a robot's MJCF or URDF file."),
+    "check-task": ("robomore.cli.own_robot:check_task", "Say what is wrong with a task."),
     "run": ("robomore.cli.run:run", "Search for the best morphology and reward for a task."),
     "show": ("robomore.cli.show:show", "Show a run: champion, reference, how it got there."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
@@ -29,13 +31,14 @@ COMMANDS = {
     "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),
     "study": ("robomore.cli.study:study", "Run several methods on several tasks, with tables."),
     "compare": ("robomore.cli.tables:compare", "Put runs side by side."),
-    "export": ("robomore.cli.tables:export", "Write every evaluation of a run as one table."),
+    "export": ("robomore.cli.export:export", "Take a run's champion, or its table, elsewhere."),
     "evaluate": ("robomore.cli.evaluate:evaluate", "Train and measure one design."),
     "check-reward": (
         "robomore.cli.sandbox:check_reward",
         "Check a reward, and try it out in the sandbox.",
     ),
     "doctor": ("robomore.cli.sandbox:doctor", "Check which sandbox layers this machine offers."),
+    "cluster": ("robomore.cli.cluster:cluster", "Write the batch script for a cluster (Slurm)."),
     "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
     "prompt": ("robomore.cli.prompt:prompt", "Print what a language model would be told."),
 }

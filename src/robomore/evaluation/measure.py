@@ -30,8 +30,8 @@ class Measurement:
     """The numbers of an evaluation that come from episodes.
 
     Attributes:
-        fitness: mean over episodes, in m.
-        episode_fitness: of each episode, in m.
+        fitness: mean over episodes, in the unit of the task's fitness.
+        episode_fitness: of each episode.
         behaviour: how the robot moved, averaged over episodes, units in the names.
     """
 
@@ -88,6 +88,7 @@ def measure(
     Raises:
         TrainingDiverged: an action is not a finite number, which finite weights can give too.
         UnstableSimulation: the physics diverged over and over, or a measure of it is not finite.
+        FitnessFailed: the task's fitness raised, or gave no finite number.
     """
     env = MeasuredEnv(task, parameters, min(episodes, _SIDE_BY_SIDE))
     seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
@@ -101,8 +102,8 @@ def measure_in(env: MeasuredEnv, task: Task, policy: Policy, seeds: Sequence[int
         UnstableSimulation: see `measure`.
     """
     run = rollout(policy, env, seeds)
-    worth = run.distance if task.fitness == "distance" else run.highest
     motions = [env.motions[seed] for seed in seeds]
+    worth = np.array([one.fitness for one in motions])
     step_seconds = float(env.environment.dt)
     measurement = Measurement(
         fitness=float(worth.mean()),

@@ -28,6 +28,8 @@ def command_line(manifest: Manifest) -> str | None:
     words = ["robomore", "run", manifest.task, "--preset", preset]
     words += ["--designer", manifest.designer] if manifest.designer else []
     words += [*model, "--seed", str(manifest.seed)]
+    for start in manifest.starts:
+        words += ["--start-from", start.origin]
     for option, value in options.items():
         if isinstance(value, dict):
             flag = f"--{option.removesuffix('s').replace('_', '-')}"

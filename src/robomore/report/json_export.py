@@ -32,6 +32,12 @@ def as_data(run: Run) -> dict[str, Any]:
             }
             for stage in run.plan.stages
         ],
+        "fitness": {
+            "name": run.task.goal.name,
+            "unit": run.fitness_unit,
+            "unit_per_volume": run.task.goal.per_volume,
+        },
+        "starts": [start.origin for start in run.manifest.starts],
         "final": run.final,
         "champion_role": run.champion_role,
         "champion": _group(run.champion),

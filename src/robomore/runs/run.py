@@ -123,6 +123,11 @@ class Run:
         """What the search compared: `efficiency`, `fitness` or `transport-economy`."""
         return self.manifest.settings.objective
 
+    @property
+    def fitness_unit(self) -> str:
+        """Unit of the task's fitness; empty for a number without one."""
+        return self.task.goal.unit
+
     @cached_property
     def efficiency_ratio(self) -> Spread | None:
         """Champion's efficiency over the reference's."""
@@ -286,6 +291,11 @@ class Run:
         """
         with closing(Ledger(RunFolder(self.folder).ledger, read_only=True)) as ledger:
             return ledger.curve(self.evaluation(key).key)
+
+    def curves(self) -> dict[str, Curve]:
+        """Return how each training went, by the key of its evaluation."""
+        with closing(Ledger(RunFolder(self.folder).ledger, read_only=True)) as ledger:
+            return ledger.curves()
 
     def load_policy(self, key: str | None = None) -> MLPPolicy:
         """Return the trained policy of an evaluation, by default of the champion's best seed.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from robomore.runs.trained import TrainedDesign
 
 STEEL = 7850.0
-"""Density of steel in kg/m^3: a robot as a whole is never denser."""
+"""Density of steel in kg/m³: a robot as a whole is never denser."""
 
 _NAMED = 3
 """Empty slots that are named."""
@@ -95,7 +95,7 @@ def _about_training_anew(run: Run) -> list[str]:
     if measured is None or not seen or measured.mean >= _WINNERS_CURSE * seen:
         return []
     return [
-        f"The search saw {in_unit(seen, run.objective)}, training anew gave "
+        f"The search saw {in_unit(seen, run.objective, run.fitness_unit)}, training anew gave "
         f"{number(measured.mean)}: the best of many noisy numbers is partly luck."
     ]
 
@@ -108,8 +108,9 @@ def _about_fitness(run: Run) -> list[str]:
     if champion.fitness.mean < reference.fitness.mean:
         said.append(
             "The champion uses less material, but it does not do better at the task: its fitness "
-            f"is {number(champion.fitness.mean)} m against {number(reference.fitness.mean)} m of "
-            "the reference design; its efficiency comes from the small volume."
+            f"is {number(champion.fitness.mean)} against "
+            f"{in_unit(reference.fitness.mean, 'fitness', run.fitness_unit)} of the reference "
+            "design; its efficiency comes from the small volume."
         )
     if reference.fitness.mean <= 0:
         said.append(
@@ -153,7 +154,10 @@ def _about_matter(champion: TrainedDesign) -> list[str]:
 
 
 def _about_bounds(run: Run, champion: TrainedDesign) -> list[str]:
-    at_bound = at_bounds(run.task, champion.design.morphology.parameters)
+    # What a language model proposes is held to the bounds alone.
+    sampled = run.manifest.designer in ("", "offline")
+    task = run.task.searched() if sampled else run.task
+    at_bound = at_bounds(task, champion.design.morphology.parameters)
     if not at_bound:
         return []
     verb = "stands at its bound" if len(at_bound) == 1 else "stand at their bounds"

@@ -48,17 +48,17 @@ def found_table(results: Results) -> Table:
                 )
             )
         rows.append((task, "(human design)", results.reference(task), *[None] * 7))
-    unit = unit_of(results.objective) or "no unit"
+    unit = unit_of(results.objective, results.fitness_unit) or "no unit"
     return Table(
         "found",
-        f"What each search found, trained anew: {label(results.objective)}",
+        f"What each search found, trained anew: {label(results.objective, results.fitness_unit)}",
         (
             "task",
             "arm",
             f"mean ({unit})",
             f"lowest run ({unit})",
             f"highest run ({unit})",
-            "fitness (m)",
+            label("fitness", results.fitness_unit),
             "volume (m³)",
             "runs",
             "search steps",
@@ -117,7 +117,7 @@ def curve_figures(results: Results) -> dict[str, Draw]:
         lines = {arm: line for arm in results.arms if (line := _curve(results, task, arm))}
         ends = {arm: fmean(s) for arm in lines if (s := results.scores(task, arm))}
         if lines:
-            draw = partial(curves, lines, ends, label(results.objective))
+            draw = partial(curves, lines, ends, label(results.objective, results.fitness_unit))
             found[f"curves-{task}"] = draw
     return found
 

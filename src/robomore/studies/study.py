@@ -87,6 +87,12 @@ class Results:
         return tuple(dict.fromkeys(cell.arm.name for cell, _ in self.cells))
 
     @property
+    def fitness_unit(self) -> str:
+        """Unit of the tasks' fitness; empty where they have none, or not the same one."""
+        units = {run.fitness_unit for run in self.runs()}
+        return units.pop() if len(units) == 1 else ""
+
+    @property
     def objective(self) -> str:
         """What all runs compared."""
         return self.cells[0][1].objective
