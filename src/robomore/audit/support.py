@@ -31,6 +31,6 @@ def check(subject: Subject) -> Verdict:
     return Verdict(
         name,
         "warns" if share > WARNS_ABOVE else "passes",
-        f"{' and '.join(parts)} carry {100 * share:.0f} % of the ground's force (most: {said}).",
+        f"{' and '.join(parts)} {'carry' if len(parts) > 1 else 'carries'} {100 * share:.0f} % of the ground's force (most: {said}).",
         {"torso_share": share},
     )
