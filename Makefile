@@ -12,7 +12,7 @@ COMPILE := uv pip compile pyproject.toml --quiet --universal --python-version 3.
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-all lint format lock bundle clean
+.PHONY: help demo test test-all test-robots lint format lock bundle clean
 
 help: ## List these verbs
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -28,6 +28,10 @@ test: $(VENV)/.dev ## Run the tests, on all cores
 test-all: $(VENV)/.dev ## Run the tests with all their examples (takes long)
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m ''
 
+test-robots: $(VENV)/.dev ## Run the tests with robots that others made (downloads 30 MB)
+	@$(PIP) install --no-deps --require-hashes --requirement lock/robots.txt
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m robots
+
 lint: $(VENV)/.dev ## Check style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -41,6 +45,7 @@ lock: ## Choose the packages' versions anew (needs uv)
 	@command -v uv >/dev/null || { echo "make lock needs uv: pip install uv" >&2; exit 2; }
 	$(COMPILE) --upgrade --group build --output-file lock/base.txt
 	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --extra ray --extra export --extra tensorboard --constraint lock/base.txt --output-file lock/dev.txt
+	$(subst pyproject.toml,--group pyproject.toml:robots --no-deps,$(COMPILE)) --upgrade --output-file lock/robots.txt
 
 # The first line names the sources by their digest, which a test compares.
 bundle: ## Put the scripts of the pages into one file anew (needs Node)

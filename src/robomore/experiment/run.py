@@ -38,6 +38,7 @@ from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import task_content
+from robomore.tasks.registry import remember
 from robomore.training.settings import ensure_trainer, packages_for
 from robomore.types import Design, Evaluation, Morphology, Reward, Start
 
@@ -96,6 +97,9 @@ def run(
     """
     began = time.monotonic()
     task = get_task(task) if isinstance(task, str) else task
+    content = task_content(task)
+    if content:
+        remember(task)
     observe = one_at_a_time(observe)
     name = name or (settings if isinstance(settings, str) else "custom")
     settings = preset(settings) if isinstance(settings, str) else settings
@@ -162,7 +166,7 @@ def run(
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
-        if content := task_content(task):
+        if content:
             folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
         doing = stack.enter_context(make_executor())
