@@ -84,3 +84,7 @@ class TrainingDiverged(RoboMoReError):
 
 class ExportFailed(RoboMoReError):
     """What was made for export is not what it should be; nothing was written."""
+
+
+class VideoFailed(RoboMoReError):
+    """A video could not be rendered to its end; nothing was written."""
