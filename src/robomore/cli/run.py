@@ -29,6 +29,7 @@ def run(
     model: ModelOptions | None = None,
     replay: ReplayOptions | None = None,
     machine: Machine | None = None,
+    tracker: Annotated[list[str] | None, Parameter(negative="", group=_OUTPUT)] = None,
     quiet: Annotated[bool, Parameter(negative="", group=_OUTPUT)] = False,
     as_json: Annotated[bool, Parameter("--json", negative="", group=_OUTPUT)] = False,
 ) -> None:
@@ -45,6 +46,9 @@ def run(
     designer
         Who proposes morphologies and rewards: `offline` (no language model; the default), `llm`
         (with `--model`) or `replay` (with `--from`). Some methods ask no designer.
+    tracker
+        Tell a tracker the numbers as they come: `tensorboard`, `wandb` or `trackio`. May be given
+        several times.
     quiet
         Show nothing while the run goes on.
     as_json
@@ -85,6 +89,7 @@ def run(
             time_limit=search.seconds,
             containment=machine.containment,
             observe=observe,
+            trackers=tracker or (),
             name=settings_name(search.preset, settings),
         )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import partial
@@ -14,7 +15,7 @@ from robomore.designers.absent import NoDesigner
 from robomore.designers.recorded import RecordedDesigner
 from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitReached
 from robomore.evaluation.evaluator import Evaluator
-from robomore.events import Observer, RunBegan, ignore, one_at_a_time
+from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, thread_map
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
@@ -31,6 +32,7 @@ from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
+from robomore.trackers import RunTracking
 from robomore.training.settings import ensure_trainer, packages_for
 from robomore.types import Design, Evaluation, Morphology, Reward
 
@@ -48,6 +50,7 @@ def run(
     time_limit: float | None = None,
     containment: str | None = None,
     observe: Observer = ignore,
+    trackers: Sequence[str] = (),
     name: str = "",
 ) -> Run:
     """Search for the best morphology and reward; the same call again finishes what is missing.
@@ -70,6 +73,7 @@ def run(
             untrusted code in; `relaxed` uses the layers there are. By default strict, but for
             rewards of our own (no language model) where it is not possible.
         observe: told what goes on.
+        trackers: names of trackers that are told the numbers: `tensorboard`, `wandb`, `trackio`.
         name: of the settings in the manifest; by default the preset's, or `custom`.
 
     Raises:
@@ -80,7 +84,8 @@ def run(
     """
     began = time.monotonic()
     task = get_task(task) if isinstance(task, str) else task
-    observe = one_at_a_time(observe)
+    tracking = RunTracking(trackers)
+    observe = one_at_a_time(both(observe, tracking))
     name = name or (settings if isinstance(settings, str) else "custom")
     workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
@@ -128,6 +133,7 @@ def run(
         return time_limit is not None and time.monotonic() - began >= time_limit
 
     with ExitStack() as stack:
+        stack.callback(tracking.close)
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))

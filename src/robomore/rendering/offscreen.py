@@ -12,6 +12,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from PIL.Image import fromarray
 
 from robomore.envs.compile import compile_model
 from robomore.rendering.drawing import elevation, view_of
@@ -43,7 +44,7 @@ def render(task_id: str, request: Path) -> None:
     with sys.stdout.buffer as out:
         for index in range(len(asked["poses0"])):
             for i, stage in enumerate(stages):
-                out.write(stage.frame(asked[f"poses{i}"][index]).tobytes())
+                out.write(stage.frame(asked[f"poses{i}"][index]))
 
 
 class _Stage:
@@ -73,8 +74,8 @@ class _Stage:
         camera.elevation = -max(_LOWEST, float(np.degrees(np.arcsin(towards[2]))))
         self.renderer = mujoco.Renderer(model, _FINER * HEIGHT, _FINER * WIDTH)
 
-    def frame(self, pose: NDArray[np.float64]) -> NDArray[np.uint8]:
-        """Return a picture (height, width, 3)."""
+    def frame(self, pose: NDArray[np.float64]) -> bytes:
+        """Return a picture: height x width x 3 bytes."""
         model, data = self.model, self.data
         data.qpos[:] = pose
         mujoco.mj_forward(model, data)
@@ -84,8 +85,7 @@ class _Stage:
         height = self.metres * HEIGHT / WIDTH
         self.camera.lookat[:] = x, y, max(level + 0.25 * height, z - 0.25 * height)
         self.renderer.update_scene(data, self.camera)
-        fine = self.renderer.render().reshape(HEIGHT, _FINER, WIDTH, _FINER, 3)
-        return np.asarray(fine.mean(axis=(1, 3)).round(), np.uint8)
+        return fromarray(self.renderer.render()).reduce(_FINER).tobytes()
 
 
 if __name__ == "__main__":

@@ -332,6 +332,12 @@ class Run:
 
         return write_report(self.folder, Path(out) if out else None)
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the numbers, and champion and reference moving."""
+        from robomore.report import notebook_html
+
+        return notebook_html(self)
+
     def _champion_seed(self) -> Evaluation:
         if self.champion is None or not self.champion.trained:
             raise InputError(f"{self.folder} has nothing trained yet; wait, or run it on")
