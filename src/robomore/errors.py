@@ -46,6 +46,13 @@ class NoWorker(RoboMoReError):
     """No worker process can be started on this machine; what was finished before is kept."""
 
 
+class UnfitWorker(RoboMoReError):
+    """This machine cannot do the job as the run needs it done; another one may. The job is sound.
+
+    It lacks a sandbox layer, or has other versions of packages or of the task.
+    """
+
+
 class BudgetExhausted(RoboMoReError):
     """A request, token or cost budget is spent; the run stops cleanly and can be resumed."""
 
@@ -88,3 +95,7 @@ class ExportFailed(RoboMoReError):
 
 class VideoFailed(RoboMoReError):
     """A video could not be rendered to its end; nothing was written."""
+
+
+class FitnessFailed(RoboMoReError):
+    """The fitness of a task raised, or gave a number that is not finite: the task's fault."""

@@ -9,10 +9,12 @@ import mujoco
 import numpy as np
 import pytest
 import yourdfpy
+from PIL import Image
 
 from robomore.envs.compile import compile_model
 from robomore.errors import ExportFailed
-from robomore.export.mjcf import refuse_other_model, standalone_mjcf
+from robomore.export.mjcf import _filled, refuse_other_model, standalone_mjcf
+from robomore.export.stl import stl_bytes
 from robomore.export.urdf import MESHES, roll_pitch_yaw, write_urdf
 from robomore.tasks import TASKS, get_task
 
@@ -53,6 +55,28 @@ def test_plain_mujoco_loads_the_robot_on_its_ground(task: str) -> None:
         assert np.array_equal(getattr(model, name), getattr(again, name))
     ground = [one.hfield_data * np.float64(one.hfield_size[:, 2].sum()) for one in (model, again)]
     np.testing.assert_allclose(*ground, atol=1e-6)
+
+
+def test_a_mesh_is_written_into_the_text() -> None:
+    corners = np.array([[0, 0, 0], [0.2, 0, 0], [0, 0.1, 0], [0, 0, 0.3]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    text = (
+        '<mujoco><compiler angle="radian"/><asset><mesh name="a" file="a.stl" scale="2 1 1"/>'
+        '<texture name="t" type="2d" file="t.png"/><material name="m" texture="t"/></asset>'
+        '<worldbody><body><freejoint/><geom type="mesh" mesh="a" material="m" pos="1 0 0"/></body>'
+        "</worldbody></mujoco>"
+    )
+    assets = {"a.stl": stl_bytes(corners, faces), "t.png": _png()}
+    model = mujoco.MjSpec.from_string(text, assets=assets).compile()
+    filled = _filled(text, model)
+    assert "file" not in filled
+    refuse_other_model(filled, model)
+
+
+def _png() -> bytes:
+    file = io.BytesIO()
+    Image.new("RGB", (2, 2)).save(file, "PNG")
+    return file.getvalue()
 
 
 def test_another_model_is_refused() -> None:

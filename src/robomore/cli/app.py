@@ -21,10 +21,14 @@ from robomore.errors import InputError, Interrupted, RoboMoReError
 COMMANDS = {
     "tasks": ("robomore.cli.tasks:tasks", "List the tasks."),
     "inspect": ("robomore.cli.tasks:inspect", "Show one robot: volume, mass, MJCF, a picture."),
+    "new": ("robomore.cli.own_robot:new", "Make a task from a robot's MJCF or URDF file."),
+    "check-task": ("robomore.cli.own_robot:check_task", "Say what is wrong with a task."),
     "run": ("robomore.cli.run:run", "Search for the best morphology and reward for a task."),
     "show": ("robomore.cli.show:show", "Show a run: champion, reference, how it got there."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
     "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
+    "audit": ("robomore.cli.audit:audit", "Check whether a champion's number can be believed."),
+    "gallery": ("robomore.cli.gallery:gallery", "Keep the champions of runs in one folder."),
     "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),
     "study": ("robomore.cli.study:study", "Run several methods on several tasks, with tables."),
     "compare": ("robomore.cli.tables:compare", "Put runs side by side."),
@@ -35,6 +39,7 @@ COMMANDS = {
         "Check a reward, and try it out in the sandbox.",
     ),
     "doctor": ("robomore.cli.sandbox:doctor", "Check which sandbox layers this machine offers."),
+    "cluster": ("robomore.cli.cluster:cluster", "Write the batch script for a cluster (Slurm)."),
     "llm": ("robomore.cli.llm:llm", "Ask a language model whether it can design."),
     "prompt": ("robomore.cli.prompt:prompt", "Print what a language model would be told."),
 }

@@ -75,7 +75,7 @@ def _print(runs: tuple[Run, ...]) -> None:
             manifest.task,
             manifest.settings.method.name,
             str(manifest.seed),
-            in_unit(score.mean, run.objective) if score else "-",
+            in_unit(score.mean, run.objective, run.fitness_unit) if score else "-",
             ratio if run.final else "not finished",
             f"{run.search_steps:,}",
             duration(run.cost.core_seconds),

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def union_volume(task: Task, parameters: Parameters) -> float | None:
-    """Return the volume of all parts in the initial pose without what neighbours share, in m^3.
+    """Return the volume of all parts in the initial pose without what neighbours share, in m³.
 
     Neighbours are parts of one rigid piece and pieces that a joint connects. Parts that merely pass
     through each other, as Walker's two legs do in their plane, are built twice and count twice.

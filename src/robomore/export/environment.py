@@ -21,6 +21,7 @@ from robomore.export.templates import template
 from robomore.identity import derive_seed
 from robomore.runs import Run
 from robomore.store.manifest import package_versions
+from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
 from robomore.text import one_line, to_json
 from robomore.types import Evaluation
@@ -68,6 +69,9 @@ _OFFICIAL = {
     ),
 }
 
+_MEASURED = ("distance", "height")
+"""Measures of fitness that `measure.py` of the package knows."""
+
 
 def package_name(task: Task, name: str) -> str:
     """Return what the package of a design is called: `half_cheetah_champion`."""
@@ -103,12 +107,17 @@ def environment_package(
     """
     task, package = run.task, package_name(run.task, name)
     parameters = evaluation.design.morphology.parameters
+    if task.goal.name not in _MEASURED:
+        raise ExportFailed(
+            f"the fitness of {task.id} is {task.goal.name!r}, which the exported code cannot "
+            f"measure; it knows {' and '.join(_MEASURED)}"
+        )
     common = {
         "title": one_line(f"{task.title}, {name}").replace('"', "'").replace("\\", "/"),
         "package": package,
         "distribution": package.replace("_", "-"),
         "id": environment_id(task, name),
-        "fitness": task.fitness,
+        "fitness": task.goal.name,
         "episode_steps": str(task.episode_steps),
         "dependencies": json.dumps(_dependencies(task)),
     }
@@ -123,6 +132,8 @@ def environment_package(
         "recorded.json": to_json(recorded(evaluation)).decode() + "\n",
     }
     files = {f"{package}/{file}": text.encode() for file, text in inner.items()}
+    if not stands_alone(task):
+        files[f"{package}/task.json"] = task_content(task)
     return files | {"pyproject.toml": template("pyproject.toml", **common).encode()}
 
 

@@ -17,7 +17,7 @@ from PIL.Image import fromarray
 from robomore.envs.compile import compile_model
 from robomore.rendering.drawing import elevation, view_of
 from robomore.rendering.video import HEIGHT, WIDTH
-from robomore.tasks import get_task
+from robomore.tasks.registry import carried_task
 from robomore.tasks.task import Task
 
 _FINER = 2
@@ -34,9 +34,9 @@ def render(task_id: str, request: Path) -> None:
     The request holds `metres`, the width of the picture, and for each episode `parametersI` and
     `posesI`; all have the same number of poses.
     """
-    task = get_task(task_id)
     with np.load(request, allow_pickle=False) as arrays:
         asked = dict(arrays)
+    task = carried_task(task_id, asked["task"].tobytes())
     count = sum(name.startswith("poses") for name in asked)
     stages = [
         _Stage(task, asked[f"parameters{i}"].tolist(), float(asked["metres"])) for i in range(count)

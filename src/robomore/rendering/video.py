@@ -29,6 +29,7 @@ from robomore.rendering.drawing import (
 )
 from robomore.rendering.pictures import Frame, image
 from robomore.rendering.recording import Recording
+from robomore.tasks.portable import task_content
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -229,6 +230,7 @@ def _rendered(
         request = Path(scratch) / "poses.npz"
         arrays = {f"poses{i}": poses for i, poses in enumerate(shown)}
         arrays |= {f"parameters{i}": np.array(one.parameters) for i, one in enumerate(recordings)}
+        arrays["task"] = np.frombuffer(task_content(recordings[0].task), np.uint8)
         np.savez(request, metres=np.array(metres), **arrays)  # type: ignore[arg-type]
         platform = offscreen_platform()
         command = [sys.executable, "-m", "robomore.rendering.offscreen", recordings[0].task.id]
