@@ -100,7 +100,8 @@ def test_other_shapes_and_joints_become_urdf_too(tmp_path: Path) -> None:
     robot = check(model, tmp_path)
     assert {"tip__x", "tip__y", "tip__z"} <= set(robot.joint_map)
     swing, lift = robot.joint_map["swing"], robot.joint_map["lift"]
-    assert swing.limit.effort == 14 and lift.limit.effort == 5 and swing.dynamics.damping == 0.5
+    assert (swing.limit.effort, lift.limit.effort) == (14, 5)
+    assert float(swing.dynamics.damping) == 0.5
     # Zero is the pose in which the model was written down, at 10 degrees.
     assert np.allclose(np.degrees([swing.limit.lower, swing.limit.upper]), [-40, 50])
     meshes = sorted(path.name for path in (tmp_path / MESHES).iterdir())

@@ -14,7 +14,7 @@ from robomore.rendering.pictures import frame_around, svg
 from robomore.rendering.recording import record
 from robomore.rendering.video import write_video
 from robomore.runs import Run, TrainedDesign
-from robomore.runs.words import EFFICIENCY_UNIT, number, with_interval
+from robomore.runs.words import number, unit_of, with_interval
 from robomore.tasks import Task
 from robomore.text import sanitize
 
@@ -40,14 +40,15 @@ def notebook_html(run: Run) -> str:
     )
     parts = [f"<p><strong>{_text(head)}</strong></p>"]
     if designs:
-        parts += [_table(designs), _moving(run, designs)]
+        parts += [_table(designs, run.fitness_unit), _moving(run, designs)]
     parts += [f"<p>{_text(said)}</p>" for said in run.warnings[:3]]
     return f"<div>{''.join(parts)}</div>"
 
 
-def _table(designs: list[TrainedDesign]) -> str:
+def _table(designs: list[TrainedDesign], fitness: str) -> str:
     rows = [("", *(one.name for one in designs))]
-    for name, unit in (("efficiency", EFFICIENCY_UNIT), ("fitness", "m")):
+    for name in ("efficiency", "fitness"):
+        unit = unit_of(name, fitness)
         spreads = [getattr(one, name) for one in designs]
         rows.append((name, *(with_interval(one, unit) if one else "-" for one in spreads)))
     rows.append(("volume", *(f"{number(one.volume)} m³" for one in designs)))
