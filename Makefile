@@ -23,7 +23,7 @@ demo: $(VENV)/.run ## Search for a better robot on this machine; ends with a rep
 		--seed 0 --out runs/demo
 
 picture: $(VENV)/.run ## Make the README's moving picture from what the demo found
-	$(BIN)/robomore play runs/demo --beside --out docs/assets/champion.webp
+	$(BIN)/robomore play runs/demo --beside --seconds 10 --out docs/assets/champion.webp
 
 test: $(VENV)/.dev ## Run the tests, on all cores
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto

@@ -119,7 +119,7 @@ def test_the_picture_moves_and_is_small() -> None:
     with Image.open(path) as picture:
         assert getattr(picture, "n_frames", 1) > 100
     # The verb runs the very command that the page names.
-    command = "robomore play runs/demo --beside --out docs/assets/champion.webp"
+    command = "robomore play runs/demo --beside --seconds 10 --out docs/assets/champion.webp"
     assert f"$(BIN)/{command}\n" in (ROOT / "Makefile").read_text()
     assert f"\n{command}\n" in (ROOT / "README.md").read_text()
 

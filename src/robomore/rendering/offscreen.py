@@ -22,7 +22,7 @@ from robomore.tasks.task import Task
 
 _FINER = 2
 """Frames are rendered so many times larger and scaled down, which smooths every edge."""
-_SHADOW = 1024
+_SHADOW = 2048
 """Pixels of the map of shadows."""
 _LOWEST = 8.0
 """Least elevation of the eye, in degrees: the ground is seen, and with it the motion."""
@@ -84,6 +84,8 @@ class _Stage:
         # The eye follows along the ground, and upwards only where the robot would be out of sight.
         height = self.metres * HEIGHT / WIDTH
         self.camera.lookat[:] = x, y, max(level + 0.25 * height, z - 0.25 * height)
+        # Lights go along too, or the shadow would end some metres from the start.
+        data.light_xpos[:, :2] += x, y
         self.renderer.update_scene(data, self.camera)
         return fromarray(self.renderer.render()).reduce(_FINER).tobytes()
 
