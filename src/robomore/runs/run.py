@@ -213,7 +213,7 @@ class Run:
         )
 
     @cached_property
-    def searchtrained_steps(self) -> int:
+    def search_steps(self) -> int:
         """Control steps of training that the search took, the final left out."""
         search = (r.evaluation for r in self.records if self._role(r) != "final")
         return trained_steps({e.key: e for e in search}.values())
