@@ -12,7 +12,7 @@ COMPILE := uv pip compile pyproject.toml --quiet --universal --python-version 3.
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-all test-robots lint format lock bundle clean
+.PHONY: help demo picture test test-all test-robots lint format lock bundle clean
 
 help: ## List these verbs
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -21,6 +21,9 @@ demo: $(VENV)/.run ## Search for a better robot on this machine; ends with a rep
 	$(BIN)/robomore run half-cheetah --preset quick --steps 20000 --reference-reward out \
 		--method-option morphologies=3 --method-option rewards=2 --method-option max_cycles=1 \
 		--seed 0 --out runs/demo
+
+picture: $(VENV)/.run ## Make the README's moving picture from what the demo found
+	$(BIN)/robomore play runs/demo --beside --seconds 10 --out docs/assets/champion.webp
 
 test: $(VENV)/.dev ## Run the tests, on all cores
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto

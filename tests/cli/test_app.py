@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
 import os
 import signal
@@ -252,3 +253,18 @@ def test_words_that_people_did_not_understand_are_gone(robomore_: Command) -> No
     text = " ".join(robomore_(name, "--help").out for name in COMMANDS)
     for words in ("human", "stranger", "body", "bodies", "implied", "under a minute", "fell share"):
         assert words not in text.lower()
+
+
+def test_a_graphics_driver_that_is_missing_is_named(
+    robomore_: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # As PyOpenGL fails when MuJoCo is imported without the library that `MUJOCO_GL` names.
+    (tmp_path / "OpenGL").mkdir()
+    (tmp_path / "OpenGL" / "broken.py").write_text("def find():\n    return None.glGetError\n")
+    monkeypatch.syspath_prepend(tmp_path / "OpenGL")
+    monkeypatch.setenv("MUJOCO_GL", "osmesa")
+    broken = importlib.import_module("broken")
+    monkeypatch.setattr("robomore.cli.methods.methods", lambda: broken.find())
+    said = robomore_("methods")
+    assert said.status == 2 and "MUJOCO_GL=osmesa does not work" in said.err
+    assert "libosmesa6" in said.err and said.err.count("\n") == 1

@@ -31,6 +31,7 @@ def run(
     model: ModelOptions | None = None,
     replay: ReplayOptions | None = None,
     machine: Machine | None = None,
+    tracker: Annotated[list[str] | None, Parameter(negative="", group=_OUTPUT)] = None,
     quiet: Annotated[bool, Parameter(negative="", group=_OUTPUT)] = False,
     as_json: Annotated[bool, Parameter("--json", negative="", group=_OUTPUT)] = False,
 ) -> None:
@@ -47,6 +48,9 @@ def run(
     designer
         Who proposes morphologies and rewards: `offline` (no language model; the default), `llm`
         (with `--model`) or `replay` (with `--from`). Some methods ask no designer.
+    tracker
+        Tell a tracker the numbers as they come: `tensorboard`, `wandb` or `trackio`. May be given
+        several times.
     hint
         Your remark for a language model. While the run goes on, the file `hint.txt` in its folder
         holds more: what it says is added to the next requests.
@@ -90,6 +94,7 @@ def run(
             time_limit=search.seconds,
             containment=machine.containment,
             observe=observe,
+            trackers=tracker or (),
             name=settings_name(search.preset, settings),
             start_from=[read_start(wanted, one) for one in search.start_from or ()],
             hint=hint,
