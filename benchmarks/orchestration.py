@@ -169,6 +169,8 @@ def searched(
             best = method.run(designer, evaluate, context)
         except BudgetSpent:
             best = evaluate.best(settings.objective)
+        if not best:
+            return executor
         final(
             partial(evaluator.measure, budget=settings.final),
             best[: settings.final.finalists],
