@@ -3,6 +3,7 @@
 PYTHON ?= python3
 
 VENV := .venv
+WEB := src/robomore/report/web
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 # One lock for every platform, and the same versions for every Python: runs stay comparable.
@@ -11,7 +12,7 @@ COMPILE := uv pip compile pyproject.toml --quiet --universal --python-version 3.
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-all lint format lock clean
+.PHONY: help demo test test-all lint format lock bundle clean
 
 help: ## List these verbs
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -40,6 +41,15 @@ lock: ## Choose the packages' versions anew (needs uv)
 	@command -v uv >/dev/null || { echo "make lock needs uv: pip install uv" >&2; exit 2; }
 	$(COMPILE) --upgrade --group build --output-file lock/base.txt
 	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --extra ray --constraint lock/base.txt --output-file lock/dev.txt
+
+# The first line names the sources by their digest, which a test compares.
+bundle: ## Put the scripts of the pages into one file anew (needs Node)
+	@test -d $(WEB)/node_modules || npm --prefix $(WEB) ci --no-audit --no-fund
+	@cd $(WEB) && rm -f bundle.js && \
+	digest=$$(LC_ALL=C; cat *.js package.json | sha256sum | cut -c 1-16) && \
+	npx esbuild main.js --bundle --minify --format=iife --target=es2022 --charset=ascii \
+		--legal-comments=none --banner:js="/* $$digest. RoboMoRe (MIT). Includes three.js, https://threejs.org, MIT, Copyright 2010-2026 three.js authors. */" \
+		--outfile=bundle.js
 
 clean: ## Remove .venv and caches; runs/ stays
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis

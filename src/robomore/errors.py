@@ -87,3 +87,11 @@ class ModelUnavailable(RoboMoReError):
 
 class TrainingDiverged(RoboMoReError):
     """A weight or a loss of the trainer is no longer a finite number."""
+
+
+class ExportFailed(RoboMoReError):
+    """What was made for export is not what it should be; nothing was written."""
+
+
+class FitnessFailed(RoboMoReError):
+    """The fitness of a task raised, or gave a number that is not finite: the task's fault."""

@@ -72,6 +72,8 @@ class Workers:
         observe: told what goes on.
         draw: makes up speeds, scores and failures.
         failing: fraction of the evaluations that fail at once.
+        compiling: seconds that each worker's first training takes longer.
+        slower: factor by which the machine is slower from `slower_from` s on.
         now: seconds.
     """
 
@@ -80,7 +82,11 @@ class Workers:
     observe: Observer
     draw: random.Random
     failing: float = 0.0
+    compiling: float = 0.0
+    slower: float = 1.0
+    slower_from: float = 0.0
     now: float = 0.0
+    begun: int = 0
     trained: dict[str, int] = field(default_factory=dict)
     known: dict[str, Evaluation] = field(default_factory=dict)
     scores: dict[str, float] = field(default_factory=dict)
@@ -123,7 +129,10 @@ class Workers:
             self.trained[identity] = steps
             rate = STEPS_PER_SECOND * self.draw.lognormvariate(0.0, 0.2)
             # Compiling before, measuring after.
-            at += 2.0
+            at += 2.0 + (self.compiling if self.begun < self.count else 0.0)
+            self.begun += 1
+            if at > self.slower_from:
+                rate /= self.slower
             for part in range(1, 4):
                 done = (steps - before) * part // 3
                 told.append((at + done / rate, Progressed(key, before + done)))
@@ -161,8 +170,12 @@ def simulate(
     failing: float = 0.0,
     budget_steps: int | None = None,
     time_limit: float | None = None,
+    **machine: float,
 ) -> tuple[float, list[tuple[float, float | None]]]:
-    """Return how long a made-up run took, and at every event (time, time left as estimated)."""
+    """Return how long a made-up run took, and at every event (time, time left as estimated).
+
+    `machine` are further fields of `Workers`.
+    """
     method = make_method(settings.method)
     reference = Design(Morphology(TASK.reference), Reward(TASK.reward))
     context = SearchContext(
@@ -178,7 +191,7 @@ def simulate(
         state(event)
         told.append((pool.now, state.time_left()))
 
-    pool = Workers(workers, settings, observe, random.Random(seed), failing)
+    pool = Workers(workers, settings, observe, random.Random(seed), failing, **machine)
     clock: Callable[[], float] = lambda: pool.now  # noqa: E731
     state = RunState(clock)
     plan = Plan((*method.plan(context).stages, final_stage(settings.final)))

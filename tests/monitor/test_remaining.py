@@ -51,6 +51,27 @@ def test_screening_is_estimated_right_at_every_quarter_of_its_stage(workers: int
         assert 1 / 1.3 < left / ((1 - share) * total) < 1.3
 
 
+@pytest.mark.parametrize("workers", [2, 8])
+def test_what_only_the_first_trainings_take_is_not_expected_of_all(workers: int) -> None:
+    """Compiling takes as long as a short training does."""
+    settings = with_method(preset("quick"), "random")
+    compiling = settings.candidate.steps / 500
+    total, told = simulate(settings, workers, seed=2, compiling=3 * compiling)
+    first = next(left for _, left in told if left is not None)
+    began = next(time for time, left in told if left is not None)
+    assert 1 / 1.5 < first / (total - began) < 1.5
+
+
+def test_the_estimate_follows_a_machine_that_others_use_too() -> None:
+    settings = with_method(preset("quick"), "random")
+    whole, _ = simulate(settings, 2, seed=2)
+    total, told = simulate(settings, 2, seed=2, slower=4.0, slower_from=0.3 * whole)
+    for share in (0.5, 0.7, 0.9):
+        left = estimated(told, share * total)
+        assert left is not None
+        assert 1 / 1.5 < left / ((1 - share) * total) < 1.5
+
+
 def test_a_budget_caps_the_search_and_not_the_final() -> None:
     settings = preset("quick")
     budget = 6 * settings.candidate.steps

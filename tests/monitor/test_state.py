@@ -19,6 +19,7 @@ from monitor.told import (
 )
 from robomore.events import BatchBegan, Finished, Progressed, Started
 from robomore.monitor import RunState
+from robomore.plan import Plan, Stage
 from robomore.types import Place
 
 __all__ = ["clock", "state"]
@@ -59,11 +60,12 @@ def test_the_best_follows_the_objective(clock: Clock) -> None:
 
 
 def test_the_time_left_counts_this_batch_the_later_stages_and_the_final(state: RunState) -> None:
-    # 1,500 steps took 2 x 10 s of a worker: 1/75 s a step. Of this batch a half and a whole
+    # 1,000 steps took 10 s of a worker: 1/100 s a step; the other worker's first training compiled
+    # until it told of its progress, which is not counted. Of this batch a half and a whole
     # training are left, side by side. Then two batches of one training, and the final: four
     # trainings of 2,000 steps for two workers, at whose end one waits, half a training on average.
     left = state.time_left()
-    assert left == pytest.approx((1_000 + 2 * 1_000 + 2 * 2_000 + 500) / 75)
+    assert left == pytest.approx((1_000 + 2 * 1_000 + 2 * 2_000 + 500) / 100)
 
 
 def test_a_training_that_goes_on_counts_for_what_is_left_of_it(clock: Clock) -> None:
@@ -102,3 +104,19 @@ def test_a_failure_says_nothing_of_speed(clock: Clock) -> None:
     clock.now += 1
     state(Finished(failed("c"), GRID[2], known=False))
     assert state.time_left() is None
+
+
+def test_a_stage_in_batches_is_counted_as_a_whole(clock: Clock) -> None:
+    state = RunState(clock)
+    grown = Stage(name="generations", evaluations=6, batches=3)
+    state(replace(BEGAN, plan=Plan((grown, *BEGAN.plan.stages))))
+    places = [Place(stage="generations", index=(i,)) for i in range(6)]
+    counts = []
+    for first in (0, 2):
+        state(BatchBegan(tuple(places[first : first + 2]), known=0))
+        for place in places[first : first + 2]:
+            state(Finished(measured(f"k{place.index[0]}", 1.0), place, known=False))
+            counts.append((state.done, state.asked, state.batch))
+    assert counts == [(1, 6, 2), (2, 6, 2), (3, 6, 2), (4, 6, 2)]
+    state(BatchBegan(GRID, known=0))
+    assert (state.done, state.asked) == (0, 4)

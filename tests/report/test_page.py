@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import html
 import re
 import xml.etree.ElementTree as ElementTree
 from contextlib import closing
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -24,11 +28,13 @@ from fake_run import (
 from robomore.designers.recorded import ATTEMPTS
 from robomore.errors import InputError
 from robomore.events import Cut
+from robomore.rendering.packing import unpack
 from robomore.report import write_report
 from robomore.report.heatmap import heatmap
 from robomore.report.learning import learning_curves
 from robomore.report.page import render
 from robomore.report.plots import best_so_far, fitness_over_volume
+from robomore.report.scripts import bundle
 from robomore.report.source import highlighted
 from robomore.report.svg import Axis, axis_around
 from robomore.runs import Run, load_run
@@ -37,7 +43,7 @@ from robomore.runs.words import with_interval
 from robomore.settings import FinalSettings
 from robomore.store import Ledger
 from robomore.store.schema import Proposal
-from robomore.types import Curve, Design, Place, Slot, Status
+from robomore.types import Curve, Design, Place, Reward, Slot, Status
 
 TIMES = "\N{MULTIPLICATION SIGN}"
 _VOID = {"meta", "br", "link", "img", "hr", "input"}
@@ -98,22 +104,78 @@ def page(pages: dict[str, str]) -> str:
 
 def in_words(page: str) -> str:
     """Return the text of a page as a reader sees it, without its drawings."""
-    text = re.sub(r"<style.*?</style>|<svg.*?</svg>|<[^>]+>", " ", page, flags=re.DOTALL)
+    text = re.sub(
+        r"<script.*?</script>|<style.*?</style>|<svg.*?</svg>|<[^>]+>", " ", page, flags=re.DOTALL
+    )
     return " ".join(text.split())
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_the_page_loads_nothing_and_runs_nothing(pages: dict[str, str], method: str) -> None:
+def test_the_page_loads_nothing_and_runs_only_our_script(
+    pages: dict[str, str], method: str
+) -> None:
     page = pages[method]
     reader = Reader()
     reader.feed(page)
     assert reader.open == []
-    assert reader.loads == []
-    assert "script" not in reader.tags
-    assert "<script" not in page
-    assert "@import" not in page
-    assert not re.search(r"url\(", page)
-    assert "default-src 'none'" in page
+    # Places within the page, and nothing else.
+    assert all(load.startswith("#") for load in reader.loads)
+    scripts = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
+    assert [text for kind, text in scripts if not kind] == [bundle()]
+    assert all('type="application/octet-stream"' in kind for kind, _ in scripts if kind)
+    still = page.replace(bundle(), "")
+    assert "@import" not in still
+    assert not re.search(r"url\(", still)
+    assert "default-src &#39;none&#39;; script-src &#39;sha256-" in page
+
+
+def test_the_script_that_the_policy_allows_is_the_one_in_the_page(page: str) -> None:
+    (style,) = re.findall(r"<style>(.*?)</style>", page, re.DOTALL)
+    for text in (style, bundle()):
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        assert f"sha256-{digest}" in html.unescape(page)
+
+
+def packed(page: str, name: str) -> Any:
+    """Return what a page carries for its scripts."""
+    (text,) = re.findall(rf'data-pack="{name}">([^<]*)<', page)
+    return unpack(base64.b64decode(text))
+
+
+def test_every_evaluation_can_be_opened(pages: dict[str, str], runs: dict[str, Run]) -> None:
+    for name, run in runs.items():
+        data = packed(pages[name], "page")
+        assert [one["key"] for one in data["evaluations"]] == [e.key for e in run.evaluations]
+        for one, evaluation in zip(data["evaluations"], run.evaluations, strict=True):
+            assert data["rewards"][one["r"]] == evaluation.design.reward.source
+            assert data["morphologies"][one["m"]] == pytest.approx(
+                evaluation.design.morphology.parameters
+            )
+            assert len(data["stills"][one["m"]]) == 3  # links of a swimmer
+            assert one["status"] == evaluation.status
+            # Every mark that stands for it opens it.
+            assert f'data-key="{one["key"]}"' in pages[name]
+
+
+def test_a_curve_comes_out_as_it_went_in(page: str, runs: dict[str, Run]) -> None:
+    run = runs["robomore"]
+    number, first = next((i, e) for i, e in enumerate(run.evaluations) if e.ok)
+    given = run.curves()[first.key]
+    found = packed(page, "curves")[number]
+    assert tuple(found["steps"]) == given.steps
+    series = found["series"]["episode_return"]
+    assert series["at"][0] == 65535  # nothing was measured
+    values = series["low"] + series["at"][1:] * series["step"]
+    assert values == pytest.approx(given.series["episode_return"][1:], abs=1e-3)
+
+
+def test_text_for_the_scripts_is_cleaned_too(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    reward = Reward(run.reward(1.0).source + "    # \u202eneddih\n", "\x1b[31mred")
+    run.add(Design(run.morphology(0.5), reward), Place(stage="coarse", index=(0, 0)), 3.0)
+    data = packed(render(load_run(tmp_path)), "page")
+    assert "\u202e" not in data["rewards"][0]
+    assert "\x1b" not in data["evaluations"][0]["ideas"][1]
 
 
 def test_what_a_designer_wrote_is_shown_as_text(page: str) -> None:
@@ -190,7 +252,8 @@ def test_the_methods_name_is_on_its_page_and_nothing_empty(pages: dict[str, str]
     ("method", "count"), [("robomore", 10), ("random", 9), ("reference", 5), ("foreign", 10)]
 )
 def test_its_figures_are_well_formed(pages: dict[str, str], method: str, count: int) -> None:
-    drawn = re.findall(r"<svg.*?</svg>", pages[method], re.DOTALL)
+    page = pages[method].replace(bundle(), "")
+    drawn = re.findall(r"<svg.*?</svg>", page, re.DOTALL)
     assert len(drawn) == count
     for svg in drawn:
         ElementTree.fromstring(svg)
@@ -219,11 +282,12 @@ def test_a_failed_cell_says_why_and_a_missing_one_that_it_is_missing(tmp_path: P
     design = Design(run.morphology(0.5), run.reward(1.0))
     run.add(design, Place(stage="coarse", index=(0, 0)), None, Status.CRASHED, "it went away")
     (grid,) = grids(load_run(tmp_path))
-    drawn = heatmap(grid, "efficiency")
+    drawn = heatmap(grid, "efficiency", "m")
     assert "it went away" in drawn
-    assert drawn.count("not measured yet</div>") == 11
-    # Said to a finger and to the keyboard too, which cannot hover.
-    assert drawn.count('tabindex="0"') == drawn.count('class="tip"') == 12
+    assert drawn.count('not measured yet"') == 11
+    # The script says it to a finger and to the keyboard too, which cannot hover.
+    assert drawn.count("aria-label=") == drawn.count('class="tip"') + 1 == 13
+    assert drawn.count("data-key=") == 1
 
 
 def test_cells_that_screening_cut_are_pale_and_say_so(tmp_path: Path) -> None:
@@ -235,7 +299,7 @@ def test_cells_that_screening_cut_are_pale_and_say_so(tmp_path: Path) -> None:
         ledger.noting(lambda event: None)(Cut(left_out, 0, "number 4 of 4"))
     found = load_run(tmp_path)
     (grid,) = grids(found)
-    drawn = heatmap(grid, "efficiency")
+    drawn = heatmap(grid, "efficiency", "m")
     assert drawn.count('class="cut"') == 1
     assert "after 200 steps, cut by screening" in drawn
     assert "morphology 2 x reward 2: not tried: number 4 of 4" in drawn
@@ -245,12 +309,12 @@ def test_cells_that_screening_cut_are_pale_and_say_so(tmp_path: Path) -> None:
 
 def test_the_column_of_the_reference_reward_is_labelled(runs: dict[str, Run]) -> None:
     (grid,) = grids(runs["robomore"])
-    drawn = heatmap(grid, "efficiency")
+    drawn = heatmap(grid, "efficiency", "m")
     assert ">reference reward<" in drawn
     assert ">reward 1<" not in drawn
     assert ">reward 2<" in drawn
     (grid,) = grids(runs["foreign"])
-    assert "reference" not in heatmap(grid, "efficiency")
+    assert "reference" not in heatmap(grid, "efficiency", "m")
 
 
 def test_designs_that_move_backwards_are_drawn_at_the_edge(tmp_path: Path) -> None:
@@ -260,7 +324,7 @@ def test_designs_that_move_backwards_are_drawn_at_the_edge(tmp_path: Path) -> No
         run.add(design, Place(stage="coarse", index=(0, column)), fitness)
     found = load_run(tmp_path)
     (grid,) = grids(found)
-    for drawn in (heatmap(grid, "efficiency"), best_so_far(found), fitness_over_volume(found)):
+    for drawn in (heatmap(grid, "efficiency", "m"), best_so_far(found), fitness_over_volume(found)):
         ElementTree.fromstring(drawn)
         assert "nan" not in drawn
 
@@ -289,7 +353,8 @@ def test_a_curve_of_one_point_is_a_dot(
     runs: dict[str, Run], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     curve = Curve((100, 200), {"episode_return": (None, 1.5)})
-    monkeypatch.setattr(Run, "curve", lambda self, key: curve)
+    curves = {one.key: curve for one in runs["robomore"].evaluations}
+    monkeypatch.setattr(Run, "curves", lambda self: curves)
     champion = learning_curves(runs["robomore"])[0]
     assert champion.drawn.count("<circle") == 5
 

@@ -52,6 +52,10 @@ class Search:
         About how many full trainings the search may use, for methods without sizes of their own.
     budget_steps
         Control steps of training that the search may use. The final comes on top.
+    start_from
+        What the search starts from besides the reference design: a JSON file with parameters, a
+        Python file with a reward, or the folder of a run (its champion) or of a design. May be
+        given several times.
     time_limit
         Time after which nothing new is started: `90s`, `30m` or `2h`. The run then ends with the
         best so far, and the same command goes on later.
@@ -66,6 +70,7 @@ class Search:
     max_density: float | None = None
     evaluations: int | None = None
     budget_steps: int | None = None
+    start_from: Pairs = None
     time_limit: str | None = None
 
     @property
@@ -110,11 +115,14 @@ class Final:
         Number of designs from the search that are trained anew.
     final_seeds
         Training seeds of each design. Fewer than five give no interval.
+    require_audit
+        A design that fails its audit (see `robomore audit`) cannot be champion.
     """
 
     final_steps: int | None = None
     finalists: int | None = None
     final_seeds: int | None = None
+    require_audit: Annotated[bool, Parameter(negative="")] = False
 
 
 @Parameter(name="*", group=Group("Machine", sort_key=7))
@@ -223,6 +231,7 @@ def settings_of(search: Search, training: Training, final: Final) -> RunSettings
         final_steps=final.final_steps,
         finalists=final.finalists,
         final_seeds=final.final_seeds,
+        require_audit=final.require_audit or None,
         evaluations=search.evaluations,
         objective=search.objective,
         max_volume=search.max_volume,

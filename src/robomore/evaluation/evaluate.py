@@ -14,8 +14,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from robomore.envs.compile import body_facts
+from robomore.envs.try_out import try_out
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import (
+    FitnessFailed,
     InvalidMorphology,
     TrainingDiverged,
     UnfitWorker,
@@ -28,8 +30,9 @@ from robomore.evaluation.train import POLICIES
 from robomore.plain_files import PlainFolder
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import Containment, run_sandboxed
-from robomore.tasks import TASKS, Task
+from robomore.tasks import Task
 from robomore.tasks.fingerprint import task_key
+from robomore.tasks.registry import carried_task
 from robomore.text import one_line, to_json
 from robomore.training.checkpoint import drop_older
 from robomore.training.compilation import CACHE_VARIABLE
@@ -58,11 +61,13 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     try:
         above.remove(scratch.name)
         above.make(scratch.name)
-        evaluation, policy = _evaluate(request, _task(job), scratch, progress)
+        evaluation, policy = _evaluate(request, _task(request), scratch, progress)
     except InvalidMorphology as error:
         evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
     except UnstableSimulation as error:
         evaluation = Evaluation(key, job, Status.UNSTABLE, str(error))
+    except FitnessFailed as error:
+        evaluation = Evaluation(key, job, Status.FAILED, str(error))
     except TrainingDiverged as error:
         evaluation = Evaluation(key, job, Status.TRAINING_DIVERGED, str(error))
     except UnfitWorker:
@@ -77,9 +82,10 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     return Answer(evaluation, policy.to_bytes() if policy else b"")
 
 
-def _task(job: Job) -> Task:
+def _task(request: Request) -> Task:
     """Return the job's task, unless this worker knows another one of that name."""
-    task = TASKS.get(job.task)
+    job = request.job
+    task = carried_task(job.task, request.task)
     if task_key(task) != job.task_key:
         raise UnfitWorker(
             f"this worker knows the task {job.task} with another content than the run does: "
@@ -100,6 +106,7 @@ def _evaluate(
         said = "; ".join(f"line {fault.line}: {fault.message}" for fault in faults)
         return Evaluation(key, job, Status.INVALID_REWARD, said, body=body), None
 
+    try_out(task, parameters)
     containment = Containment(request.containment)
     robot = VectorEnv(task, parameters, 1)
     shape = Shape(job.trainer, robot.observation_size, robot.action_size)

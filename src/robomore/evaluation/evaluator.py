@@ -27,6 +27,7 @@ from robomore.settings import Budget
 from robomore.store.ledger import Ledger
 from robomore.store.rundir import RunFolder
 from robomore.tasks.fingerprint import task_key
+from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
 from robomore.training.policy import POLICY, MLPPolicy
 from robomore.training.tuned import resolve
@@ -158,8 +159,8 @@ class Evaluator:
                 if again.episode_fitness != before.episode_fitness:
                     raise RunFolderError(
                         f"{self.folder.artifacts / before.artifact} has no policy that can be "
-                        f"read, and training it again gave a fitness of {again.fitness} m in the "
-                        f"place of {before.fitness} m; restore it from a copy"
+                        f"read, and training it again gave a fitness of {again.fitness} in the "
+                        f"place of {before.fitness}; restore it from a copy"
                     )
                 self._keep_policy(again, policy)
 
@@ -254,6 +255,7 @@ class Evaluator:
             scratch=str(self.folder.scratch / key),
             checkpoint=str(self.folder.path / checkpoint) if continues else "",
             containment=self.containment,
+            task=task_content(self.task),
         )
 
     def _remote_request(self, key: str, job: Job, carry: Carry | None) -> Request:
@@ -265,6 +267,7 @@ class Evaluator:
             checkpoint=carry.name if carry else "",
             containment=self.containment,
             versions=self.versions,
+            task=task_content(self.task),
         )
 
     def _carry(self, job: Job, leave: bool) -> Carry | None:

@@ -26,6 +26,7 @@ class Request:
             shared disk it is the name of a carried folder (`robomore.executors.carried`).
         containment: `strict` refuses to run without the operating system's layers.
         versions: of packages, that the worker must have too; empty for a worker on this machine.
+        task: content of the job's task, if it comes from a file (`robomore.tasks.portable`).
     """
 
     job: Job
@@ -34,6 +35,7 @@ class Request:
     checkpoint: str = ""
     containment: str = "strict"
     versions: dict[str, str] = field(default_factory=dict)
+    task: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ estimate: a stage may end early, and no training is as fast as the next one.
 from __future__ import annotations
 
 import heapq
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from statistics import fmean
@@ -18,14 +18,17 @@ from robomore.plan import Plan, Stage
 from robomore.tasks import get_task
 from robomore.types import Design, Evaluation, Place
 
+_LATEST = 12
+"""Trainings by which the speed is judged: other programs come and go on a machine."""
+
 
 class Training(Protocol):
-    """An evaluation under way: its steps in all, before it began, and by now, and since when."""
+    """An evaluation under way: its steps in all and by now, and from where it is timed."""
 
     total: int
-    before: int
     steps: int
-    began: float
+    timed_steps: int
+    timed_from: float | None
 
 
 @dataclass(slots=True)
@@ -38,8 +41,7 @@ class Work:
         batches: batches begun, by stage.
         used: control steps of training that are over, by stage.
         trained: control steps after which the training in a place rests; it may go on from there.
-        steps: control steps of training that were timed.
-        seconds: that these took one worker.
+        timed: the latest trainings, as (control steps, seconds that these took one worker).
     """
 
     stage: str = ""
@@ -47,8 +49,7 @@ class Work:
     batches: Counter[str] = field(default_factory=Counter)
     used: Counter[str] = field(default_factory=Counter)
     trained: dict[Place, int] = field(default_factory=dict)
-    steps: int = 0
-    seconds: float = 0.0
+    timed: deque[tuple[int, float]] = field(default_factory=lambda: deque(maxlen=_LATEST))
 
     def begin(self, plan: Plan, stage: Stage) -> None:
         """Begin a batch. What only screens counts for the stage that it thins out."""
@@ -60,23 +61,26 @@ class Work:
         self.target = 0
         self.batches[self.stage] += 1
 
-    def finish(self, place: Place, steps: int, seconds: float | None) -> None:
-        """Note an evaluation; `seconds` is `None` where its time says nothing of speed."""
+    def finish(self, place: Place, steps: int, timed: tuple[int, float] | None) -> None:
+        """Note an evaluation; `timed` is `None` where its time says nothing of speed."""
         asked = max(0, steps - self.trained.get(place, 0))
         self.target = steps
         self.used[self.stage] += asked
         self.trained[place] = max(steps, self.trained.get(place, 0))
-        if seconds is not None:
-            self.steps += asked
-            self.seconds += seconds
+        if timed is not None:
+            self.timed.append(timed)
 
     def seconds_per_step(self, running: Iterable[Training], now: float) -> float | None:
         """Return how long one worker takes for a control step; `None` before it is measured."""
-        steps, seconds = float(self.steps), self.seconds
+        steps = float(sum(steps for steps, _ in self.timed))
+        seconds = sum(seconds for _, seconds in self.timed)
+        if not steps:
+            return None
         for one in running:
-            steps += one.steps - one.before
-            seconds += now - one.began
-        return seconds / steps if self.steps else None
+            if one.timed_from is not None:
+                steps += one.steps - one.timed_steps
+                seconds += now - one.timed_from
+        return seconds / steps
 
 
 def seconds_left(

@@ -34,6 +34,9 @@ class Running:
         before: how many of them were done when it began; its training goes on from there.
         steps: how many are done by now.
         began: on the clock.
+        timed_from: on the clock, from when on its speed is judged; `None` while it cannot be. The
+            first training of a worker compiles, which says nothing of the others.
+        timed_steps: how many were done then.
     """
 
     place: Place
@@ -41,6 +44,8 @@ class Running:
     before: int
     steps: int
     began: float
+    timed_from: float | None
+    timed_steps: int
 
 
 @dataclass(slots=True)
@@ -51,7 +56,8 @@ class RunState:
         clock: seconds that only grow.
         run: what was asked for, once it began.
         stage: name of the current batch's stage; empty before the first batch.
-        asked: evaluations of the current batch.
+        batch: evaluations of the current batch.
+        before: evaluations of earlier batches of the same stage.
         open: places of the current batch that are not measured yet, each with the control steps
             that its training rests at.
         running: evaluations under way, by key.
@@ -68,7 +74,8 @@ class RunState:
     clock: Callable[[], float] = time.monotonic
     run: RunBegan | None = None
     stage: str = ""
-    asked: int = 0
+    batch: int = 0
+    before: int = 0
     open: dict[Place, int] = field(default_factory=dict)
     running: dict[str, Running] = field(default_factory=dict)
     counts: Counter[Status] = field(default_factory=Counter)
@@ -78,6 +85,7 @@ class RunState:
     spent: Spent | None = None
     trouble: str = ""
     began: float = 0.0
+    _taken_up: int = 0
     _work: Work = field(default_factory=Work)
     _waiting: Counter[int] = field(default_factory=Counter)
     """Places of the current batch that no worker has taken up, by the steps that they rest at. A
@@ -98,12 +106,18 @@ class RunState:
             case BatchBegan(places):
                 self._batch_began(places)
             case Started(key, place, steps):
-                before = self._work.trained.get(place, 0)
-                self.running[key] = Running(place, steps, before, before, self.clock())
+                before, now = self._work.trained.get(place, 0), self.clock()
+                warm = self.run is None or self._taken_up >= self.run.workers
+                timed_from = now if warm else None
+                self.running[key] = Running(place, steps, before, before, now, timed_from, before)
+                self._taken_up += 1
                 self._work.target = steps
                 self._start(place)
             case Progressed(key, steps) if key in self.running:
-                self.running[key].steps = max(steps, self.running[key].before)
+                one = self.running[key]
+                one.steps = max(steps, one.before)
+                if one.timed_from is None:
+                    one.timed_from, one.timed_steps = self.clock(), one.steps
             case Finished(evaluation, place, known):
                 self._finished(evaluation, place, known)
 
@@ -114,8 +128,14 @@ class RunState:
 
     @property
     def done(self) -> int:
-        """Evaluations of the current batch that are measured."""
-        return self.asked - len(self.open)
+        """Evaluations of the current stage that are measured."""
+        return self.before + self.batch - len(self.open)
+
+    @property
+    def asked(self) -> int:
+        """Evaluations of the current stage: the most that it may have, as far as is known."""
+        planned = self.run.plan.stage(self.stage).evaluations if self.run else 0
+        return max(self.before + self.batch, planned if self._in_batches(self.stage) else 0)
 
     @property
     def failed(self) -> int:
@@ -154,11 +174,18 @@ class RunState:
     def _stage(self, place: Place) -> Stage:
         return self.run.plan.stage(place.stage) if self.run else Stage(name=place.stage)
 
+    def _in_batches(self, name: str) -> bool:
+        """Return whether a stage searches in several batches, each with new designs."""
+        stage = self.run.plan.stage(name) if self.run else Stage(name=name)
+        return stage.role == "search" and stage.batches > 1
+
     def _batch_began(self, places: tuple[Place, ...]) -> None:
-        self.stage = places[0].stage if places else self.stage
+        before, stage = self.before + self.batch, self.stage
+        self.stage = places[0].stage if places else stage
+        self.before = before if self.stage == stage and self._in_batches(stage) else 0
         trained = self._work.trained
         self.open = {place: trained.get(place, 0) for place in places}
-        self.asked = len(self.open)
+        self.batch = len(self.open)
         self._waiting = Counter(self.open.values())
         self._started.clear()
         self.running.clear()
@@ -176,14 +203,21 @@ class RunState:
         self._start(place)
         self.open.pop(place, None)
         running = self.running.pop(evaluation.key, None)
-        # One that fails ends early.
-        timed = running is not None and evaluation.ok
-        seconds = self.clock() - running.began if running and timed else None
-        self._work.finish(place, evaluation.job.steps, seconds)
+        self._work.finish(place, evaluation.job.steps, self._timed(running, evaluation))
         if not evaluation.ok:
             self.trouble = f"{evaluation.status}: {evaluation.diagnosis}"
         elif self._stage(place).role == "search":
             self._rank(evaluation, place)
+
+    def _timed(self, running: Running | None, evaluation: Evaluation) -> tuple[int, float] | None:
+        """Return steps and seconds by which the speed is judged; one that fails ends early."""
+        if running is None or not evaluation.ok:
+            return None
+        # One that told of no progress before its half is timed as a whole.
+        since, done = running.timed_from, running.timed_steps
+        if since is None or 2 * done >= running.before + running.total:
+            since, done = running.began, running.before
+        return (running.total - done, self.clock() - since) if running.total > done else None
 
     def _rank(self, evaluation: Evaluation, place: Place) -> None:
         if self.run is None or evaluation.job.steps < self.run.settings.candidate.steps:

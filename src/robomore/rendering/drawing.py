@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.compile import Parameters, compile_model
+from robomore.envs.rest_pose import starting_pose
 from robomore.envs.terrain import tile
+from robomore.tasks.portable import FixedOptions
 from robomore.tasks.task import Task, Terrain
 from robomore.tasks.terrain import CELLS, TILE
 
@@ -91,7 +93,8 @@ def draw(task: Task, parameters: Parameters) -> Scene:
     """
     model = compile_model(task, parameters)
     data = mujoco.MjData(model)
-    data.qpos[:] = rest_pose(model)
+    from_file = isinstance(task.options, FixedOptions)
+    data.qpos[:] = starting_pose(task, model) if from_file else rest_pose(model)
     mujoco.mj_kinematics(model, data)
     view = view_of(model)
     bare = project(model, data, view)
@@ -126,8 +129,7 @@ def rest_pose(model: mujoco.MjModel) -> Array:
         data = mujoco.MjData(model)
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
-        solids = _solids(model, data)
-        qpos[2] -= min(min(one.start[2], one.end[2]) - one.radius for one in solids)
+        qpos[2] -= min(min(one.start[2], one.end[2]) - one.radius for one in solids(model, data))
     return qpos
 
 
@@ -143,10 +145,10 @@ def project(
         ground: lines on the ground.
     """
     strokes = []
-    for one in _solids(model, data):
+    for one in solids(model, data):
         middle = (one.start + one.end) / 2
         start, end = view.flat(one.start), view.flat(one.end)
-        colour = PALETTE[min(_distance(model, one.body), len(PALETTE)) - 1]
+        colour = PALETTE[min(distance_to_world(model, one.body), len(PALETTE)) - 1]
         strokes.append(Stroke(start, end, one.radius, float(middle @ view.towards), colour))
     corners = [
         corner
@@ -223,7 +225,7 @@ def nice_length(most: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class _Solid:
+class Solid:
     """A capsule in the world, or the one that comes closest to another shape."""
 
     start: Array
@@ -232,7 +234,7 @@ class _Solid:
     body: int
 
 
-def _solids(model: mujoco.MjModel, data: mujoco.MjData) -> list[_Solid]:
+def solids(model: mujoco.MjModel, data: mujoco.MjData) -> list[Solid]:
     """Return the solids of everything that is not part of the world itself."""
     found = []
     for geom in range(model.ngeom):
@@ -252,11 +254,11 @@ def _solids(model: mujoco.MjModel, data: mujoco.MjData) -> list[_Solid]:
             longest = int(np.argmax(half))
             radius = float(np.delete(half, longest).mean())
             reach = axes[:, longest] * max(0.0, float(half[longest]) - radius)
-        found.append(_Solid(centre - reach, centre + reach, radius, body))
+        found.append(Solid(centre - reach, centre + reach, radius, body))
     return found
 
 
-def _distance(model: mujoco.MjModel, body: int) -> int:
+def distance_to_world(model: mujoco.MjModel, body: int) -> int:
     """Return how many bodies stand between `body` and the world, itself included."""
     steps = 0
     while body:

@@ -35,6 +35,7 @@ class Panel:
 def learning_curves(run: Run) -> list[Panel]:
     """Return the figures that there are curves for."""
     champion, reference = run.champion, run.reference
+    curves = run.curves()
     panels = []
     groups = [(reference, "reference", "reference design")]
     if champion and run.champion_role != "reference":
@@ -43,12 +44,12 @@ def learning_curves(run: Run) -> list[Panel]:
         lines = [
             (f"training seed {number}", f"curve {kind}", curve, _RETURN)
             for number, evaluation in enumerate(one.evaluations if one else (), 1)
-            if (curve := run.curve(evaluation.key))
+            if (curve := curves.get(evaluation.key))
         ]
         if drawn := _drawn(lines, "episode return"):
             panels.append(Panel(f"{name.capitalize()}: return of its own reward", drawn))
     if champion and champion.trained:
-        curve = run.curve(champion.best(run.objective).key)
+        curve = curves.get(champion.best(run.objective).key)
         terms = [name for name in (curve.series if curve else {}) if name.startswith(_TERM)]
         lines = [
             (name.removeprefix(_TERM), f"curve term-{index % _COLOURS}", curve, name)

@@ -1,10 +1,12 @@
-"""A run as one HTML file: no request to anywhere, no script, light and dark."""
+"""A run as one HTML file: it carries all that it shows, and asks nobody for anything."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, pass_context
 from jinja2.runtime import Context
@@ -14,26 +16,50 @@ from robomore.errors import InvalidMorphology
 from robomore.plain_files import cannot_write, write_plain
 from robomore.report.command import command_line
 from robomore.report.comparison_plot import parameter_rows, seed_dots
+from robomore.report.diversity import diversity
 from robomore.report.heatmap import heatmap
 from robomore.report.learning import learning_curves
-from robomore.report.plots import best_so_far, fitness_over_volume, stage_classes
+from robomore.report.page_data import curve_data, page_data
+from robomore.report.plots import (
+    best_so_far,
+    fitness_over_energy,
+    fitness_over_volume,
+    stage_classes,
+)
+from robomore.report.replays import MOST, chosen, kept_policies, recorded
+from robomore.report.scripts import policy, style, with_scripts
+from robomore.report.sharing import share_image
 from robomore.report.source import highlighted
 from robomore.runs import Run, load_run
 from robomore.runs.grid import grids
-from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
+from robomore.runs.words import (
+    duration,
+    equation,
+    in_unit,
+    label,
+    measured,
+    number,
+    short,
+    unit_of,
+    with_interval,
+)
 from robomore.store import RunFolder
 from robomore.text import sanitize
 from robomore.types import Place
 
+if TYPE_CHECKING:
+    from robomore.rendering.drawing import Scene
+
 _PICTURE = (460, 340)
 
 
-def write_report(run: Run | Path, out: Path | None = None) -> Path:
+def write_report(run: Run | Path, out: Path | None = None, replays: int = MOST) -> Path:
     """Write the page of a run; returns its path.
 
     Args:
         run: a run, or its folder.
         out: the file; `report.html` in the folder by default, `report-KEY.html` for one evaluation.
+        replays: designs that are shown in motion at most, champion and reference first.
 
     Raises:
         RunFolderError: `run` is no run folder.
@@ -42,20 +68,54 @@ def write_report(run: Run | Path, out: Path | None = None) -> Path:
     run = run if isinstance(run, Run) else load_run(run)
     usual = RunFolder(run.folder).report
     path = out or (usual.with_name(f"report-{run.focus}.html") if run.focus else usual)
+    return write_page(render(run, replays), path)
+
+
+def write_page(page: str, path: Path) -> Path:
+    """Write a page whole or not at all; returns its path.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
     try:
-        write_plain(path, sanitize(render(run)).encode())
+        write_plain(path, page.encode())
     except OSError as error:
         raise cannot_write(path, error, "name a file with --out") from None
     return path
 
 
-def render(run: Run) -> str:
-    """Return the page of a run as HTML text."""
-    found = grids(run)
+def render(run: Run, replays: int = MOST) -> str:
+    """Return the page of a run as HTML text, with its scripts and their data."""
+    # Only a page is packed: reading a run must not load the simulator.
+    from robomore.rendering.packing import pack
+
+    packs = {}
+    for key, name in chosen(run, replays).items():
+        if (episode := recorded(run, key, name)) is not None:
+            packs[key] = episode
+    if run.evaluations:
+        packs["page"] = pack(page_data(run, [*packs], set(kept_policies(run))))
+        packs["curves"] = pack(curve_data(run))
+    # Untrusted text is cleaned here at once; what the packs hold was cleaned on its way in.
+    return with_scripts(sanitize(_still_page(run, packs)), packs)
+
+
+def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
+    """Return the page without scripts."""
+    unit = run.fitness_unit
     # A search that was measured under its own names: dots of these stages are told apart.
     searched = {record.place.stage for record in (*run.searched, *run.cut)}
+    scenes = _scenes(run)
+    name = run.champion.name if run.champion else "champion"
+    stage = [
+        (one.best(run.objective).key, said)
+        for one, said in ((run.champion, name), (run.reference, "reference design"))
+        if one and one.trained
+    ]
+    # The reference may be the champion.
+    stage = [(key, said) for key, said in dict(stage).items() if key in packs]
     return (
-        _templates()
+        templates()
         .get_template("report.html")
         .render(
             run=run,
@@ -63,23 +123,27 @@ def render(run: Run) -> str:
             task=run.task,
             champion=run.champion,
             reference=run.reference,
-            unit=unit_of(run.objective),
-            grids=[(grid.stage.name, heatmap(grid, run.objective)) for grid in found],
+            unit=unit_of(run.objective, unit),
+            stage=stage,
+            grids=[(grid.stage.name, heatmap(grid, run.objective, unit)) for grid in grids(run)],
             stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
             best_so_far=best_so_far(run),
             fitness_over_volume=fitness_over_volume(run),
+            fitness_over_energy=fitness_over_energy(run),
+            diversity=diversity(run),
             dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
             curves=learning_curves(run),
-            drawings=_drawings(run),
+            drawings=_drawings(scenes),
             parameters=parameter_rows(run),
             command=command_line(run.manifest),
+            share_image=share_image(scenes, f"{run.task.title} · RoboMoRe"),
         )
     )
 
 
 @cache
-def _templates() -> Environment:
-    """Return the page's templates; compiling them takes longer than filling them."""
+def templates() -> Environment:
+    """Return the templates of all pages; compiling them takes longer than filling them."""
     environment = Environment(
         loader=PackageLoader("robomore.report"),
         autoescape=True,
@@ -87,11 +151,14 @@ def _templates() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.globals |= {"style": lambda: Markup(style()), "policy": policy}
     environment.filters |= {
         "number": number,
         "short": short,
         "duration": duration,
-        "label": label,
+        "label": _labelled,
+        "equation": equation,
+        "in_unit": in_unit,
         "measured": measured,
         "place": _described,
         "with_interval": with_interval,
@@ -102,26 +169,39 @@ def _templates() -> Environment:
 
 
 @pass_context
+def _labelled(context: Context, name: str) -> str:
+    """Return what a number of the run that is shown is called."""
+    run: Run = context["run"]
+    return label(name, run.fitness_unit)
+
+
+@pass_context
 def _described(context: Context, place: Place) -> str:
     """Return a place of the run that is shown in words."""
     run: Run = context["run"]
     return run.plan.describe(place)
 
 
-def _drawings(run: Run) -> dict[str, Markup]:
-    """Return the drawn champion and reference morphology, at one scale."""
+def _scenes(run: Run) -> dict[str, Scene]:
+    """Return champion and reference morphology at rest, as far as the task still takes them."""
     # Drawing needs the simulator; reading a run without drawing it does not.
     from robomore.rendering.drawing import draw
-    from robomore.rendering.pictures import frame_around, svg
 
     parameters = {"reference": dict(zip(run.task.names, run.task.reference, strict=True))}
     if run.champion:
-        parameters["champion"] = run.champion.parameters
+        parameters = {"champion": run.champion.parameters} | parameters
     scenes = {}
     for name, values in parameters.items():
         # What an edited task trained may be refused by the task of today.
         with suppress(InvalidMorphology):
             scenes[name] = draw(run.task, values)
+    return scenes
+
+
+def _drawings(scenes: Mapping[str, Scene]) -> dict[str, Markup]:
+    """Return drawn robots at one scale."""
+    from robomore.rendering.pictures import frame_around, svg
+
     return {
         name: Markup(svg(scene, frame_around(scene, *_PICTURE, alike=[*scenes.values()]), name))
         for name, scene in scenes.items()

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import groupby
 
 from robomore.report.svg import Axis, axes, axis_around, element, figure, text, tip
 from robomore.runs import Run
 from robomore.runs.lineage import Record
 from robomore.runs.progress import progress
-from robomore.runs.words import EFFICIENCY_UNIT, in_unit, label, number, short
+from robomore.runs.words import equation, in_unit, label, short
 
 WIDTH, HEIGHT = 400.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 12.0, 28.0, 42.0
+_NAMES = {"energy": "energy_j"}
 _COLOURS = 4
 """Stages with a colour of their own; more of them share these."""
 
@@ -37,7 +39,11 @@ def best_so_far(run: Run) -> str:
     # all others.
     positive = [value for value in values if value > 0]
     y = axis_around(positive or [*values, 0.0], HEIGHT - BOTTOM, TOP, log=bool(positive))
-    parts = [axes(x, y, "control steps of training in the search", label(run.objective))]
+    parts = [
+        axes(
+            x, y, "control steps of training in the search", label(run.objective, run.fitness_unit)
+        )
+    ]
     for name, group in groupby(points, key=lambda point: point.record.place.stage):
         border = x.at([*group][-1].steps)
         if name != points[-1].record.place.stage:
@@ -50,11 +56,11 @@ def best_so_far(run: Run) -> str:
             element("line", x1=x.start, x2=x.end, y1=at, y2=at, klass="reference-line")
             + text("reference design", x.end, at - 5, text_anchor="end", klass="note")
         )
-    classes = stage_classes(run)
+    classes, unit = stage_classes(run), run.fitness_unit
     path = f"M{x.at(points[0].steps):.1f} {y.at(points[0].best):.1f}"
     for point in points:
         place = point.record.place
-        said = f"{run.plan.describe(place)}: {in_unit(point.score, run.objective)}"
+        said = f"{run.plan.describe(place)}: {in_unit(point.score, run.objective, unit)}"
         parts.append(
             tip(
                 said,
@@ -65,6 +71,7 @@ def best_so_far(run: Run) -> str:
                     r=3.5,
                     klass=f"dot {classes.get(place.stage, '')}",
                 ),
+                point.record.evaluation.key,
             )
         )
         path += f"H{x.at(point.steps):.1f}V{y.at(point.best):.1f}"
@@ -78,25 +85,45 @@ def fitness_over_volume(run: Run) -> str:
     A design that only shrinks moves left along the bottom; one that runs farther moves up.
     """
     shown = [r for r in run.records if r.evaluation.fitness is not None and r.evaluation.volume]
+    return _scatter(run, shown, "volume", _equal_efficiency)
+
+
+def fitness_over_energy(run: Run) -> str:
+    """Return all designs by the energy of their motors in an episode and by fitness."""
+    shown = [r for r in run.records if r.evaluation.fitness is not None and r.evaluation.energy]
+    return _scatter(run, shown, "energy", lambda x, y: [])
+
+
+def _scatter(
+    run: Run, shown: list[Record], across: str, lines: Callable[[Axis, Axis], list[str]]
+) -> str:
+    """Return designs as dots, those of the Pareto set with a ring; empty without any design."""
     if not shown:
         return ""
-    x = axis_around([r.evaluation.volume or 0.0 for r in shown], LEFT, WIDTH - RIGHT, log=True)
+    values = [float(getattr(record.evaluation, across)) for record in shown]
+    x = axis_around(values, LEFT, WIDTH - RIGHT, log=True)
     fitness = [r.evaluation.fitness or 0.0 for r in shown]
     y = axis_around([*fitness, 0.0], HEIGHT - BOTTOM, TOP)
-    parts = [axes(x, y, label("volume"), label("fitness")), *_equal_efficiency(x, y)]
-    for record in shown:
+    unit = run.fitness_unit
+    parts = [axes(x, y, label(_NAMES.get(across, across)), label("fitness", unit)), *lines(x, y)]
+    best = {evaluation.key for evaluation in run.pareto_set}
+    for record, value in zip(shown, values, strict=True):
         evaluation = record.evaluation
         said = (
-            f"{run.plan.describe(record.place)}: {number(evaluation.efficiency)} "
-            f"{EFFICIENCY_UNIT} = {number(evaluation.fitness)} m / {number(evaluation.volume)} m³"
+            f"{run.plan.describe(record.place)}: "
+            f"{in_unit(evaluation.efficiency, 'efficiency', unit)} = {equation(evaluation, unit)}"
         )
-        at = x.at(evaluation.volume or 0.0), y.at(evaluation.fitness or 0.0)
+        if evaluation.energy is not None:
+            said += f", {number(evaluation.energy)} J"
+        at = x.at(value), y.at(evaluation.fitness or 0.0)
         kind = _class_of(record, run)
         radius = 3.5 if kind.startswith("stage") else 5.5
-        parts.append(
-            tip(said, element("circle", cx=at[0], cy=at[1], r=radius, klass=f"dot {kind}"))
-        )
-    return figure(WIDTH, HEIGHT, "Fitness and volume of all designs", parts)
+        mark = element("circle", cx=at[0], cy=at[1], r=radius, klass=f"dot {kind}")
+        if evaluation.key in best:
+            said += ", in the Pareto set"
+            mark += element("circle", cx=at[0], cy=at[1], r=radius + 2.5, klass="ring")
+        parts.append(tip(said, mark, evaluation.key))
+    return figure(WIDTH, HEIGHT, f"Fitness and {across} of all designs", parts)
 
 
 def _class_of(record: Record, run: Run) -> str:

@@ -36,37 +36,37 @@ def text(said: str, x: float, y: float, /, **attributes: object) -> str:
     return element("text", escape(said), x=x, y=y, **attributes)
 
 
-def tip(said: str, mark: str, /) -> str:
+def tip(said: str, mark: str, /, key: str = "") -> str:
     """Return a mark that says more while a pointer rests on it, a finger taps it or keys reach it.
 
-    The words stand below the figure (`figure` keeps the place free); `said` is escaped. No script
-    is needed for it.
+    The words stand below the figure (`figure` keeps the place free); `said` is escaped. A mark with
+    the `key` of an evaluation opens it.
     """
-    words = element("div", escape(said), xmlns="http://www.w3.org/1999/xhtml")
-    place = element("foreignObject", words, y="100%", width="100%", height=_TIP_HEIGHT)
-    return element("g", mark + place, klass="tip", tabindex=0, aria_label=said)
+    role = "button" if key else "img"
+    return element("g", mark, klass="tip", role=role, aria_label=said, data_key=key or None)
 
 
 def figure(width: float, height: float, title: str, parts: Sequence[str]) -> str:
     """Return a whole picture that scales with the page, with room below for what its marks say."""
     content = "".join(parts)
-    if 'class="tip"' in content:
-        content = text(_ASK, 0, height + 11, klass="note") + content
-        height += _TIP_HEIGHT
-    return element(
+    marked = 'class="tip"' in content
+    drawn = element(
         "svg",
-        element("title", escape(title)) + content,
+        ("" if marked else element("title", escape(title))) + content,
         viewBox=f"0 0 {width:g} {height:g}",
-        role="img",
+        role="group" if marked else "img",
         aria_label=title,
-        klass="figure",
+        klass="figure marked" if marked else "figure",
         style=f"max-width:{_LARGEST * width:.0f}px",
     )
+    if not marked:
+        return drawn
+    ask = _OPEN if "data-key" in content else _ASK
+    return element("div", drawn + element("p", ask, klass="said"), klass="marks")
 
 
-_TIP_HEIGHT = 46
-"""Room for three lines; what is longer is scrolled to."""
 _ASK = "Point at a mark, or tap it, for its numbers."
+_OPEN = "Point at a mark for its numbers; choose it to open the design."
 
 
 @dataclass(frozen=True, slots=True)

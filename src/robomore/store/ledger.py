@@ -79,6 +79,16 @@ class Ledger(Rows):
                 raise self.damaged(error) from None
         return None
 
+    def curves(self) -> dict[str, Curve]:
+        """Return all training curves, by the keys of their evaluations."""
+        found = {}
+        for key, body, _ in self._select("SELECT * FROM curves"):
+            try:
+                found[key] = unpacked_curve(body)
+            except (ValueError, RecursionError) as error:
+                raise self.damaged(error) from None
+        return found
+
     def add_place(self, place: Place, key: str) -> None:
         """Note that the search asked for an evaluation in this place."""
         name = to_json(place).decode()
@@ -146,6 +156,15 @@ class Ledger(Rows):
         """Return whom screening cut, in the order of the rungs."""
         found = [msgspec.convert(e.body, Cut) for e in self.events() if e.kind == "cut"]
         return sorted(found, key=lambda cut: cut.steps)
+
+    def add_hint(self, slot: Slot, hint: str) -> None:
+        """Note the remark of a person that the designer is given for a slot."""
+        self.add_event("hint", slot=to_json(slot).decode(), hint=hint)
+
+    def hints(self) -> dict[str, str]:
+        """Return the remark that each slot was asked for with, by the slot as JSON."""
+        bodies = [event.body for event in self.events() if event.kind == "hint"]
+        return {str(body["slot"]): str(body["hint"]) for body in bodies}
 
     def events(self) -> list[Event]:
         rows = self._select("SELECT * FROM events ORDER BY seq")

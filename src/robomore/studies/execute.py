@@ -19,6 +19,8 @@ from robomore.runs import Run, load_run
 from robomore.search import METHODS, make_method
 from robomore.settings import from_options
 from robomore.studies.presets import Scale
+from robomore.studies.remeasured import remeasure
+from robomore.studies.retraining import retraining
 from robomore.studies.study import Arm, Cell, Results, Study
 from robomore.tasks import get_task
 
@@ -53,13 +55,18 @@ def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> li
         if all(whole != other for other, _ in arms):
             arms.append((whole, arm))
     found = []
+    asked = tasks or study.tasks
     for seed in range(seeds):
-        for task in dict.fromkeys(tasks or study.tasks):
+        searched: dict[str, Cell] = {}
+        for task in dict.fromkeys((study.searched, *asked) if study.searched else asked):
             get_task(task)
             for _, arm in arms:
                 settings = arm.settings(plain)
                 make_method(settings.method)
-                found.append(Cell(task, arm, seed, settings, budget))
+                cell = Cell(task, arm, seed, settings, budget, searched.get(arm.name))
+                found.append(cell)
+                if task == study.searched:
+                    searched[arm.name] = cell
     return found
 
 
@@ -93,6 +100,7 @@ def run_study(
     Raises:
         InputError: something asked for cannot be done.
         RunFolderError: a cell's folder holds another run.
+        NothingTrained: a design that was to be trained in other tasks was not found.
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
     with ExitStack() as stack:
@@ -101,6 +109,7 @@ def run_study(
             executor = stack.enter_context(closing(make(workers or available_cores())))
 
         def done(index: int, cell: Cell, executor: Executor) -> tuple[Cell, Run]:
+            cell = retraining(cell, searches) if cell.retrains else cell
             folder = out / cell.folder
             observe = tell(index, cell)
             found = _finished(cell, folder)
@@ -124,13 +133,25 @@ def run_study(
                     found = load_run(folder)
             return cell, found
 
-        calls = [partial(done, index, cell, executor) for index, cell in enumerate(cells)]
+        def all_of(chosen: Callable[[Cell], bool]) -> list[tuple[Cell, Run]]:
+            calls = [
+                partial(done, index, cell, executor)
+                for index, cell in enumerate(cells)
+                if chosen(cell)
+            ]
+            return thread_map(side_by_side)(calls)
+
+        searches: list[tuple[Cell, Run]] = []
         try:
-            results = Results(tuple(thread_map(side_by_side)(calls)))
+            searches = all_of(lambda cell: cell.retrains is None)
+            again = all_of(lambda cell: cell.retrains is not None)
         except KeyboardInterrupt:
             raise Interrupted(
                 f"stopped; what is finished is kept in {out}, and the same command goes on"
             ) from None
+    order = {cell.folder: index for index, cell in enumerate(cells)}
+    ended = sorted(searches + again, key=lambda one: order[one[0].folder])
+    results = Results(tuple(ended), remeasure((run for _, run in ended), out))
     write_results(study, results, out)
     return results
 
