@@ -42,6 +42,8 @@ def once(payload: bytes, progress: Callable[[int], None]) -> bytes:
     if Path(name).exists():
         return b"done"
     Path(name).touch()
+    if what == "slow":
+        time.sleep(300)
     if what == "unfit":
         raise UnfitWorker("it is the first machine")
     os.kill(os.getppid(), signal.SIGKILL)  # Ray's own process on this machine

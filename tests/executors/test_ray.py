@@ -105,6 +105,16 @@ def test_jobs_survive_what_happens_around_them(
     assert outcomes(executor, "once", payloads[2:]) == [Done(b"done")]
 
 
+def test_what_a_slow_node_is_busy_with_is_done_elsewhere(
+    executor: Ray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robomore.executors.ray_batch._LEAST_SECONDS", 0.5)
+    (tmp_path / "quick").touch()
+    slow = f"slow {tmp_path / 'once'}".encode()
+    payloads = [slow, *[f"slow {tmp_path / 'quick'}".encode()] * 4]
+    assert outcomes(executor, "once", payloads) == [Done(b"done")] * 5
+
+
 def test_a_folder_travels_from_job_to_job_and_can_be_lost(executor: Ray) -> None:
     def counted(left: object, leave: bool = True) -> Done:
         carry = [Carry("some-name", left, leave)]
