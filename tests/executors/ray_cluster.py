@@ -10,6 +10,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from robomore.executors.ray_cluster import read_token_again
+
 
 @contextmanager
 def ray_cluster(nodes: int) -> Iterator[Any]:
@@ -19,6 +21,8 @@ def ray_cluster(nodes: int) -> Iterator[Any]:
     # Ray's processes would give way to everything else that this machine does.
     os.environ["RAY_worker_niceness"] = "0"  # noqa: SIM112  # its name
     from ray.cluster_utils import Cluster
+
+    read_token_again()
 
     cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0})
     try:
@@ -51,6 +55,11 @@ def ray_processes() -> list[int]:
         for process in parents
         if ours(process) and (b"ray::" in commands[process] or b"/ray/" in commands[process])
     ]
+
+
+def command(process: int) -> bytes:
+    """Return the program of a process."""
+    return Path(f"/proc/{process}/cmdline").read_bytes().partition(b"\0")[0]
 
 
 def until_none_is_left(seconds: float = 30.0) -> list[int]:
