@@ -86,7 +86,7 @@ def _numbers(run: Run, evaluation: Evaluation, again: Sequence[float]) -> list[s
         "",
         "| measure | value |",
         "|---|---|",
-        f"| fitness ({run.task.fitness}), mean of {len(episodes)} episodes | "
+        f"| fitness ({run.task.goal.name}), mean of {len(episodes)} episodes | "
         f"{number(evaluation.fitness)} m |",
         f"| lowest and highest episode | {number(min(episodes))} m, {number(max(episodes))} m |",
         f"| volume | {number(evaluation.volume)} m³ |",

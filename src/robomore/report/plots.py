@@ -9,7 +9,7 @@ from robomore.report.svg import Axis, axes, axis_around, element, figure, text, 
 from robomore.runs import Run
 from robomore.runs.lineage import Record
 from robomore.runs.progress import progress
-from robomore.runs.words import equation, in_unit, label, short
+from robomore.runs.words import equation, in_unit, label, number, short
 
 WIDTH, HEIGHT = 400.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 12.0, 28.0, 42.0

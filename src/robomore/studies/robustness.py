@@ -48,14 +48,15 @@ def _tables(results: Results) -> list[Table]:
                 len(found),
             )
         )
-    unit = unit_of(results.objective) or "no unit"
+    fitness_unit = get_task(results.tasks[0]).goal.unit
+    unit = unit_of(results.objective, fitness_unit) or "no unit"
     columns = ("task", f"mean ({unit})", f"lowest run ({unit})", f"highest run ({unit})")
     return [
         Table(
             "robustness",
             f"One design, found in {get_task(results.tasks[0]).title}, trained anew in each task: "
             f"{label(results.objective)}",
-            (*columns, "fitness (m)", f"human design ({unit})", "runs"),
+            (*columns, f"fitness ({fitness_unit})", f"human design ({unit})", "runs"),
             tuple(rows),
             "Each run searches in the first task, and trains what it found in all of them.",
         )
