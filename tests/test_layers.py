@@ -30,7 +30,7 @@ LAYERS = (
     {"report", "visualize"},
     {"experiment"},
     {"studies"},
-    {"testing"},
+    {"serve", "testing"},
     {"cli"},
 )
 """From the ground up. A module imports its own package and what stands below it, nothing else."""

@@ -24,6 +24,7 @@ COMMANDS = {
     "show": ("robomore.cli.show:show", "Show a run: champion, reference, how it got there."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
     "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
+    "serve": ("robomore.cli.serve:serve", "Show the runs of a folder live in a browser."),
     "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),
     "study": ("robomore.cli.study:study", "Run several methods on several tasks, with tables."),
     "compare": ("robomore.cli.tables:compare", "Put runs side by side."),

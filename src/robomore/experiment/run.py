@@ -20,6 +20,7 @@ from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
 from robomore.experiment.training_facts import training_facts
+from robomore.monitor.progress import ProgressFile
 from robomore.plan import Plan
 from robomore.report import write_report
 from robomore.runs import Run, load_run
@@ -130,6 +131,9 @@ def run(
     with ExitStack() as stack:
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
+        progress = ProgressFile(folder.progress, observe)
+        stack.callback(progress.close)
+        observe = one_at_a_time(progress)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
         observe(
             RunBegan(

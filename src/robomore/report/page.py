@@ -151,6 +151,7 @@ def templates() -> Environment:
         "with_interval": with_interval,
         "highlighted": lambda source: Markup(highlighted(source)),
         "markup": Markup,
+        "zip": zip,
     }
     return environment
 

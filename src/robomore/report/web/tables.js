@@ -24,7 +24,8 @@ export function wireTables(root = document) {
 }
 
 function value(cell) {
-  return cell.dataset.value === undefined ? cell.textContent.trim() : Number(cell.dataset.value);
+  if (cell.dataset.value === undefined) return cell.textContent.trim();
+  return cell.dataset.value === "" ? null : Number(cell.dataset.value);
 }
 
 function mark(headings, heading, upwards) {
