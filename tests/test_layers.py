@@ -21,13 +21,14 @@ LAYERS = (
     {"events", "options"},
     {"tasks"},
     {"envs", "llm", "sandbox"},
-    {"rewards", "rendering"},
+    {"importer", "rewards", "rendering"},
     {"store"},
     {"designers", "executors", "training"},
     {"evaluation"},
     {"search"},
     {"monitor", "runs"},
-    {"report", "visualize"},
+    {"audit", "report", "visualize"},
+    {"export"},
     {"experiment"},
     {"studies"},
     {"serve", "testing"},
@@ -43,8 +44,10 @@ APART = {
     "rendering": {"llm", "sandbox"},
     "search": {"envs", "evaluation", "executors", "llm", "sandbox", "store", "training"},
     "runs": {"evaluation", "executors", "sandbox", "search"},
+    "audit": {"executors", "llm", "report", "sandbox", "search", "visualize"},
     "report": {"evaluation", "executors", "sandbox", "search", "training"},
     "visualize": {"evaluation", "executors", "sandbox", "search", "training"},
+    "export": {"evaluation", "executors", "sandbox", "search"},
     "monitor": {"evaluation", "executors", "sandbox", "search", "store", "training"},
 }
 """What a package does without although it stands below: an LLM knows no tasks, an executor no
@@ -52,12 +55,14 @@ robots, a search no files and no physics, and a report needs only a run's folder
 
 UPWARDS = {
     ("runs/run.py", "report"),
+    ("tasks/registry.py", "importer"),
     *(
         (f"tasks/{name}.py", "envs")
         for name in ("ant", "half_cheetah", "hopper", "swimmer", "walker")
     ),
 }
-"""Against the order: whoever holds a run asks it for its report, and a task names its environment,
+"""Against the order: whoever holds a run asks it for its report, a path in the place of a task's id
+is read by the importer, and a task names its environment,
 as text that is imported only where something is simulated."""
 
 NAMED = {("tasks", "envs")}

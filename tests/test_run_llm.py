@@ -32,10 +32,11 @@ from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import RetryPolicy
 from robomore.plan import Plan
 from robomore.rewards.dry_run import DryRun
-from robomore.runs import load_run
+from robomore.runs import Run, load_run
 from robomore.settings import RunSettings, with_method
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import get_task
+from robomore.types import Design, Morphology, Reward
 from tiny import TINY, numbers
 
 pytest.importorskip("pydantic_ai")
@@ -448,7 +449,7 @@ def test_another_model_or_another_use_of_it_is_another_run(tmp_path: Path) -> No
         model = connect("toy", base_url=url)
         chosen = LanguageModel(model, SETTINGS, server=url)
         for other, said in (
-            (replace(chosen, model=connect("other", base_url=url)), "model compatible:toy there"),
+            (replace(chosen, model=connect("other", base_url=url)), "model toy there"),
             (replace(chosen, server="http://elsewhere/v1"), "server"),
             (replace(chosen, vision=True), "vision"),
             (replace(chosen, settings=LLMSettings(repairs=2)), "repairs 1 there, 2 here"),
@@ -520,7 +521,9 @@ def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) 
 
 INTERRUPTED = textwrap.dedent(
     """
-    import sys
+    import signal, sys
+    # A shell that starts programs in the background has them ignore it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.path.insert(0, sys.argv[3])
     import untrained
     from robomore.cli import main
@@ -549,3 +552,50 @@ def _wait(ready: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
             assert "nothing has been written" in str(error) or "cannot be used" in str(error)
         time.sleep(0.02)
     raise AssertionError("nothing happened")
+
+
+def test_a_given_design_and_a_remark_go_into_a_run_and_are_kept(tmp_path: Path) -> None:
+    swimmer = get_task("swimmer")
+    mine = Design(
+        Morphology(tuple(round(0.9 * value, 5) for value in swimmer.reference), "mine"),
+        Reward(GOOD[1].removeprefix("```python\n").removesuffix("```"), "my reward"),
+    )
+    with serve(body(0.6), body(0.7), OTHER) as (url, script):
+        model = LanguageModel(connect("toy", base_url=url, retry_policy=ONCE), SETTINGS, server=url)
+
+        def start(**more: Any) -> Run:
+            out, executor = tmp_path / "run", "untrained"
+            given = {"start_from": [mine], "hint": "long and slow"} | more
+            return run("swimmer", TINY, designer=model, seed=1, executor=executor, out=out, **given)
+
+        found = start()
+        asked = len(script.seen)
+        with pytest.raises(RunFolderError, match="started from 1 given designs, others than"):
+            start(start_from=[mine.morphology])
+        again = start()
+    assert len(script.seen) == asked == 3, "the first places are given ones, and all is known"
+    assert again.champion == found.champion
+    firsts = [p for p in found.proposals if not p.slot.improves and p.slot.index == (0,)]
+    ideas = {(p.morphology or p.reward).idea for p in firsts}  # type: ignore[union-attr]
+    assert ideas == {"given (start 1): mine", "given (start 1): my reward"}
+    assert found.manifest.provenance.endswith("It started from start 1.")
+    assert all("long and slow" in one.messages[-1].text for one in exchanges(found.folder))
+    with closing(Ledger(RunFolder(found.folder).ledger, read_only=True)) as ledger:
+        assert set(ledger.hints().values()) == {"long and slow"}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"hint": "faster"}, "offline reads no remarks"),
+        ({"start_from": [Morphology((1.0,))]}, "start 1: swimmer: 1 parameters given"),
+        ({"start_from": [Reward("import os")]}, "start 1: the reward cannot be used: line 1"),
+        ({"start_from": [7]}, "cannot start from a int"),
+    ],
+)
+def test_what_a_run_cannot_start_from_is_refused_before_anything_begins(
+    options: dict[str, Any], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=said):
+        run("swimmer", TINY, executor="untrained", out=tmp_path / "run", **options)
+    assert not (tmp_path / "run").exists()

@@ -36,3 +36,8 @@ def test_who_only_falls_over_transports_nothing() -> None:
 def test_what_was_not_measured_is_not_compared() -> None:
     assert replace(MOVED, behaviour={}).score("transport-economy") is None
     assert replace(MOVED, status=Status.UNSTABLE).score("transport-economy") is None
+
+
+def test_names_of_values_are_one_line() -> None:
+    with pytest.raises(ValueError, match="one line"):
+        replace(MOVED, behaviour={"speed\n# Results": 1.0})

@@ -6,7 +6,7 @@ observes and ends its episodes as Gymnasium's Swimmer does, so that class is use
 
 from __future__ import annotations
 
-from robomore.tasks import Capsule, Parameter, Rule, Shape, Task, Values
+from robomore.tasks import Parameter, Rule, Task, Values
 
 REWARD = '''def _get_rew(self, x_velocity, action):
     """Forward speed less the cost of effort."""
@@ -57,13 +57,6 @@ TEMPLATE = """\
 """  # noqa: E501
 
 
-def shapes(values: Values) -> tuple[Shape, ...]:
-    """Return the solids of one morphology, for its volume."""
-    head, tail = values["head_radius"], values["tail_radius"]
-    radii = (head, (2 * head + tail) / 3, (head + 2 * tail) / 3, tail)
-    return tuple(Capsule(radius, values["link_length"]) for radius in radii)
-
-
 def thickens(values: Values) -> str | None:
     """Say what is wrong with a tail that is thicker than the head."""
     head, tail = values["head_radius"], values["tail_radius"]
@@ -89,7 +82,6 @@ EEL = Task(
         Parameter("tail_radius", 0.01, 0.3, 0.05, "radius of the last link", scale="log"),
     ),
     rules=(Rule("the tail must not be thicker than the head", thickens),),
-    shapes=shapes,
     reward=REWARD,
     environment="robomore.envs.robots.swimmer:SwimmerEnvironment",
 )

@@ -46,6 +46,13 @@ class NoWorker(RoboMoReError):
     """No worker process can be started on this machine; what was finished before is kept."""
 
 
+class UnfitWorker(RoboMoReError):
+    """This machine cannot do the job as the run needs it done; another one may. The job is sound.
+
+    It lacks a sandbox layer, or has other versions of packages or of the task.
+    """
+
+
 class BudgetExhausted(RoboMoReError):
     """A request, token or cost budget is spent; the run stops cleanly and can be resumed."""
 
@@ -80,3 +87,11 @@ class ModelUnavailable(RoboMoReError):
 
 class TrainingDiverged(RoboMoReError):
     """A weight or a loss of the trainer is no longer a finite number."""
+
+
+class ExportFailed(RoboMoReError):
+    """What was made for export is not what it should be; nothing was written."""
+
+
+class FitnessFailed(RoboMoReError):
+    """The fitness of a task raised, or gave a number that is not finite: the task's fault."""

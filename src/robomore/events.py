@@ -29,6 +29,7 @@ class RunBegan:
         containment: how untrusted code is kept in, and by which layers.
         budget_steps: control steps of training that the search may use; `None` for no bound.
         time_limit: wall-clock seconds after which nothing new is started; `None` for no bound.
+        fitness_unit: unit of the task's fitness; empty for a number without one.
     """
 
     task: str
@@ -43,6 +44,7 @@ class RunBegan:
     containment: str = ""
     budget_steps: int | None = None
     time_limit: float | None = None
+    fitness_unit: str = ""
 
 
 @dataclass(frozen=True, slots=True)

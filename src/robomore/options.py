@@ -36,6 +36,7 @@ def with_options(
     final_steps: int | None = None,
     finalists: int | None = None,
     final_seeds: int | None = None,
+    require_audit: bool | None = None,
     evaluations: int | None = None,
     objective: Objective | None = None,
     max_volume: float | None = None,
@@ -56,11 +57,12 @@ def with_options(
         final_steps: control steps of each training in the final.
         finalists: designs of the search that are trained anew in the final.
         final_seeds: training seeds of each design in the final.
+        require_audit: whether a design has to pass its audit before it can be champion.
         evaluations: about how many full trainings a search may use, for methods that are not told
             a size of their own.
         objective: what is compared: `efficiency`, `fitness` or `transport-economy`.
-        max_volume: largest volume of a design, in m^3.
-        max_density: largest mass divided by volume, in kg/m^3.
+        max_volume: largest volume of a design, in m³.
+        max_density: largest mass divided by volume, in kg/m³.
 
     Raises:
         InputError: a number out of range, or an unknown objective.
@@ -88,7 +90,12 @@ def with_options(
     settings = with_trainer(settings, trainer, trainer_options)
     if steps is not None:
         settings = with_steps(settings, steps)
-    final = {"steps": final_steps, "finalists": finalists, "seeds": final_seeds}
+    final: dict[str, Any] = {
+        "steps": final_steps,
+        "finalists": finalists,
+        "seeds": final_seeds,
+        "require_audit": require_audit,
+    }
     given = {name: value for name, value in final.items() if value is not None}
     settings = replace(settings, final=replace(settings.final, **given))
     whole: dict[str, Any] = {
@@ -132,6 +139,7 @@ def changes(name: str, settings: RunSettings) -> dict[str, Any] | None:
         ("final_steps", "steps"),
         ("finalists", "finalists"),
         ("final_seeds", "seeds"),
+        ("require_audit", "require_audit"),
     ):
         if getattr(settings.final, field) != getattr(plain.final, field):
             found[option] = getattr(settings.final, field)
@@ -155,6 +163,8 @@ def settings_name(name: str, settings: RunSettings) -> str:
     for option, value in found.items():
         if isinstance(value, str):
             words.append(value)
+        elif value is True:
+            words.append(option.replace("_", "-"))
         elif isinstance(value, Mapping):
             words += [f"{one}{_plain(chosen)}" for one, chosen in value.items()]
         else:

@@ -37,6 +37,8 @@ class FinalSettings(Budget):
     seeds: int = 5
     """Training seeds of each design in the final. The paper says four; fewer than five seeds give
     no interval."""
+    require_audit: bool = False
+    """Whether a design has to pass its audit (`robomore.audit`) before it can be champion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +58,9 @@ class RunSettings:
     objective: Objective = "efficiency"
     """What is compared. The paper optimises efficiency."""
     max_volume: float | None = None
-    """Largest volume of a design, in m^3; a larger one is refused before training."""
+    """Largest volume of a design, in m³; a larger one is refused before training."""
     max_density: float | None = None
-    """Largest mass divided by volume, in kg/m^3; a denser design is refused before training."""
+    """Largest mass divided by volume, in kg/m³; a denser design is refused before training."""
 
 
 ROBOMORE = "robomore"

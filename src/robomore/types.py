@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from robomore.text import encodable
+from robomore.text import encodable, one_line
 
 _NAME = re.compile(r"\w[\w.-]{0,99}", re.ASCII)
 """Keys of evaluations, which are names of folders too."""
@@ -28,7 +28,7 @@ class Morphology:
     idea: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "idea", encodable(self.idea))
+        object.__setattr__(self, "idea", one_line(self.idea))
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Reward:
         # Some editors and models put a byte order mark first.
         source = encodable(self.source).removeprefix("\ufeff")
         object.__setattr__(self, "source", source)
-        object.__setattr__(self, "idea", encodable(self.idea))
+        object.__setattr__(self, "idea", one_line(self.idea))
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,18 +53,37 @@ class Design:
     reward: Reward
 
 
+@dataclass(frozen=True, slots=True)
+class Start:
+    """What a search starts from, besides the reference design: a morphology, a reward, or both.
+
+    Attributes:
+        origin: where it comes from, such as a file or a run's folder.
+        morphology: valid in the task of the run.
+        reward: that passes the static check.
+    """
+
+    origin: str
+    morphology: Morphology | None = None
+    reward: Reward | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "origin", encodable(self.origin))
+
+
 class Status(StrEnum):
     """How an evaluation ended. Anything but `OK` comes with a diagnosis and without numbers."""
 
     OK = "ok"
     INVALID_MORPHOLOGY = "invalid-morphology"
-    """Refused before training: out of bounds, against a rule, or MuJoCo does not compile it."""
+    """Refused before training: out of bounds, against a rule, not compiled by MuJoCo, or unhealthy
+    at every start."""
     INVALID_REWARD = "invalid-reward"
     """Refused before training: does not parse, or does not define the expected function."""
     REWARD_FAILED = "reward-failed"
     """Raised, or returned something that is not a finite number, while training."""
     UNSTABLE = "unstable"
-    """The simulation diverged."""
+    """The simulation diverged, in a short try before training or over and over in training."""
     TRAINING_DIVERGED = "training-diverged"
     """The trainer's own numbers did, which rewards of extreme size can cause."""
     TIMED_OUT = "timed-out"
@@ -186,11 +205,11 @@ class Evaluation:
         job: what was asked.
         status: how it ended.
         diagnosis: empty when `OK`; else one paragraph for people and designers alike.
-        fitness: mean over episodes, in m (the task says what is measured).
-        volume: material of the robot, in m^3 (sum over geoms, overlaps counted twice).
-        efficiency: fitness / volume, in 1/m^2.
-        episode_fitness: fitness of each episode, in m.
-        body: plain facts of the robot: `mass` kg, `density` kg/m^3, `rest_height` m.
+        fitness: mean over episodes; the task says what is measured, and in which unit.
+        volume: material of the robot, in m³ (sum over geoms, overlaps counted twice).
+        efficiency: fitness / volume.
+        episode_fitness: fitness of each episode.
+        body: plain facts of the robot: `mass` kg, `density` kg/m³, `rest_height` m.
         behaviour: how the policy moved, name -> value, units in the names.
         terms: statistics of each reward term over training.
         steps: control steps of training done.
@@ -222,7 +241,8 @@ class Evaluation:
         """Refuse what no evaluation has, so that it can always be kept and read again.
 
         Raises:
-            ValueError: a number that is not finite, or a name that is no plain component of a path.
+            ValueError: a number that is not finite, a name of a file that is no plain component of
+                a path, or a name of a value that is not one line of text.
         """
         numbers = (
             *(x for x in (self.fitness, self.volume, self.efficiency) if x is not None),
@@ -235,6 +255,9 @@ class Evaluation:
             raise ValueError("so many steps nobody trains")
         if not _NAME.fullmatch(self.key) or not _NAME.fullmatch(self.artifact or self.key):
             raise ValueError(f"key {self.key!r} or artifact {self.artifact!r} is no plain name")
+        for name in (*self.body, *self.behaviour, *self.terms):
+            if not name.isprintable():
+                raise ValueError(f"the name {name[:50]!r} is not one line of text")
 
     @property
     def design(self) -> Design:

@@ -78,6 +78,7 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         ("run swimmer --budget-steps 100", "larger --budget-steps"),
         ("run swimmer --time-limit soon", "write 90s, 30m or 2h"),
         ("run swimmer --time-limit 0", "write 90s, 30m or 2h"),
+        ("run swimmer --time-limit 5", "no unit; write 5s, 5m or 5h"),
         ("run swimmer --time-limit -5", "--time-limit"),
         ("run swimmer --seed -1", "--seed is -1"),
         ("run swimmer --finalists 0", "--finalists is 0"),

@@ -18,7 +18,14 @@ def evaluation(status: Status = Status.OK) -> Evaluation:
     if status is not Status.OK:
         return Evaluation("key", job, status, "line 3: NameError")
     return Evaluation(
-        "key", job, status, fitness=2.0, volume=0.1, efficiency=20.0, episode_fitness=(1.0, 3.0)
+        "key",
+        job,
+        status,
+        fitness=2.0,
+        volume=0.1,
+        efficiency=20.0,
+        episode_fitness=(1.0, 3.0),
+        behaviour={"forward_speed_m_s": 0.5, "fell_share": 0.25},
     )
 
 
@@ -31,7 +38,10 @@ def test_evaluate_prints_the_evaluation_and_its_status_decides_the_exit(
     assert said.status == code
     assert said.json["status"] == status
     assert ("NameError" in said.json["diagnosis"]) == bool(code)
-    assert str(status) in robomore_("evaluate", "swimmer", "--preset", "smoke").out
+    out = robomore_("evaluate", "swimmer", "--preset", "smoke").out
+    assert str(status) in out
+    for line in ("forward speed (m/s): 0.5", "episodes that ended in a fall: 25.0 %"):
+        assert (line in out) == (status is Status.OK)
 
 
 def test_evaluate_keeps_a_design_that_can_be_named_again(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -12,6 +14,7 @@ import robomore.experiment
 import untrained  # known as an executor once it is imported
 from cli.commands import Command, Said
 from fake_run import finished_run
+from robomore.evaluation.request import Request
 from robomore.runs import load_run
 from robomore.settings import preset
 from robomore.types import MethodSettings, TrainerSettings
@@ -88,7 +91,7 @@ def test_options_of_a_method_are_json_or_text(asked: Asked) -> None:
 
 @pytest.mark.parametrize(
     ("given", "seconds"),
-    [("90", 90.0), ("90s", 90.0), ("30m", 1_800.0), ("2h", 7_200.0), ("0.5 h", 1_800.0)],
+    [("90s", 90.0), ("30m", 1_800.0), ("2h", 7_200.0), ("0.5 h", 1_800.0)],
 )
 def test_a_time_limit_is_read(asked: Asked, given: str, seconds: float) -> None:
     assert asked("--time-limit", given)["time_limit"] == seconds
@@ -115,14 +118,19 @@ def test_a_method_without_designer_runs_without_one(robomore_: Command, tmp_path
 def test_after_its_time_limit_a_run_ends_well_and_goes_on_later(
     robomore_: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(untrained.Untrained, "seconds", 0.4)
+    measured: list[Request] = []
+    made_up = untrained.made_up
+    monkeypatch.setattr(untrained, "made_up", lambda it: measured.append(it) or made_up(it))
+    # Each evaluation takes a second, and nothing else takes any time.
+    clock = SimpleNamespace(monotonic=lambda: float(len(measured)))
+    monkeypatch.setattr(sys.modules["robomore.experiment.run"], "time", clock)
     words = ("run", "swimmer", "--preset", "smoke", "--method", "random", "--quiet")
     words = (*words, "--executor", "untrained", "--out", str(tmp_path / "run"))
-    said = robomore_(*words, "--time-limit", "1s")
+    said = robomore_(*words, "--time-limit", "2s")
     assert said.status == 0, said.err
+    assert len(measured) == 2
     assert "not finished" in said.out and "best so far" in said.out
     assert said.out.endswith("The time limit is over. The same command goes on from here.\n")
-    monkeypatch.setattr(untrained.Untrained, "seconds", 0.0)
     said = robomore_(*words)
     assert said.status == 0 and "time limit" not in said.out
     assert load_run(tmp_path / "run").final

@@ -12,7 +12,8 @@ TRIES = 20_000
 
 
 def random_body(task: Task, seed: int) -> tuple[float, ...]:
-    """Return parameters spread over the bounds (often exactly on them) that pass all rules."""
+    """Return parameters spread over the search ranges (often at their ends) that pass all rules."""
+    task = task.searched()
     random = np.random.default_rng(seed)
     for _ in range(TRIES):
         shares = random.random(len(task.parameters))
@@ -30,7 +31,7 @@ def random_body(task: Task, seed: int) -> tuple[float, ...]:
 def at(parameter: Parameter, share: float) -> float:
     """Return the value at `share` of a parameter's range, in its own scale."""
     low, high = parameter.low, parameter.high
-    if parameter.scale == "log":
+    if parameter.scale == "log" and low > 0:
         value = math.exp(math.log(low) + share * math.log(high / low))
     else:
         value = low + share * (high - low)

@@ -105,7 +105,7 @@ def test_both_legs_of_walker_count() -> None:
     one, two = (union.union_volume(task, walker.reference) for task in (hopper, walker))
     assert one is not None and two is not None
     ball = 4 / 3 * math.pi * 0.05**3  # what the torso shares with each thigh
-    torso = walker.shapes(walker.named(walker.reference))[0].volume
+    torso = walker.solids(walker.named(walker.reference))[0].volume
     assert two - torso == pytest.approx(2 * (one - torso), abs=0.02 * ball)
 
 

@@ -92,6 +92,19 @@ def test_any_value_comes_back(value: Any) -> None:
     assert written(it=back) == text
 
 
+@pytest.mark.parametrize(
+    "nan", [float("nan"), math.nan, np.nan, -np.float32("nan"), complex("nan+2j"), -float("nan")]
+)
+def test_a_nan_is_the_same_object_again(nan: complex) -> None:
+    loaded = read(written(a=nan, b=[nan], c={"x": (nan,)}, other=float("nan")))
+    assert type(loaded["a"]) is type(nan) and loaded["a"] != loaded["a"]
+    assert loaded["a"] in loaded["b"] and loaded["a"] in loaded["c"]["x"]
+    assert loaded["other"] not in loaded["b"]
+    assert np.asarray(loaded["a"]).tobytes() == np.asarray(nan).tobytes()
+    for named in (math.nan, np.nan):
+        assert (loaded["a"] is named) == (nan is named)
+
+
 def test_what_is_shared_is_shared_again() -> None:
     inner = [0.0]
     memory = np.zeros(4)

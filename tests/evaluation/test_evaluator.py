@@ -14,7 +14,7 @@ from robomore.evaluation.evaluator import Evaluator
 from robomore.evaluation.request import Answer, Request
 from robomore.events import Event, Finished
 from robomore.executors import Done, Failed, Outcome
-from robomore.executors.executor import never
+from robomore.executors.executor import Carry, never
 from robomore.settings import Budget
 from robomore.store import Ledger, RunFolder
 from robomore.tasks import get_task
@@ -318,3 +318,45 @@ def test_training_in_one_go_keeps_no_checkpoint(tmp_path: Path) -> None:
     executor = Scripted()
     evaluator(tmp_path, executor).measure([trial(1)], budget=BUDGET)
     assert [request.checkpoint for request in executor.requests] == [""]
+
+
+class Far(Scripted):
+    """An executor on other machines, which leaves checkpoints there."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.carried: list[Carry | None] = []
+
+    def map_remote(
+        self,
+        function: str,
+        payloads: Sequence[bytes],
+        progress: Callable[[int, int], None],
+        timeout: float,
+        should_stop: Callable[[], bool] = never,
+        carry: Sequence[Carry | None] = (),
+    ) -> Generator[tuple[int, Outcome]]:
+        self.carried += carry
+        for index, outcome in self.map(function, payloads, progress, timeout, should_stop):
+            one = carry[index]
+            assert isinstance(outcome, Done)
+            left = f"left by {one.name}" if one and one.leave else None
+            yield index, Done(outcome.reply, left)
+
+
+def test_on_other_machines_no_path_is_named_and_checkpoints_are_carried(tmp_path: Path) -> None:
+    executor = Far()
+    ours = evaluator(tmp_path, executor)
+    ours.measure([trial(1), trial(2)], budget=BUDGET, budget_fraction=0.5)
+    assert all(not request.scratch for request in executor.requests)
+    assert all(request.versions == ours.versions for request in executor.requests)
+    names = [one.name for one in executor.carried if one and one.left is None]
+    assert len(set(names)) == 2 and {r.checkpoint for r in executor.requests} == set(names)
+    assert str(tmp_path) not in msgspec.json.encode(executor.requests).decode()
+
+    executor.carried.clear()
+    ours.measure([trial(2)], budget=BUDGET)
+    assert executor.carried == [Carry(names[1], f"left by {names[1]}", leave=False)]
+    executor.carried.clear()
+    ours.measure([trial(1)], budget=BUDGET)
+    assert executor.carried == [None], "what was cut, or has ended, is not kept"

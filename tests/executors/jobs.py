@@ -6,6 +6,10 @@ import os
 import signal
 import time
 from collections.abc import Callable
+from pathlib import Path
+
+from robomore.errors import UnfitWorker
+from robomore.executors.carried import carried_folder
 
 
 def environment(payload: bytes, progress: Callable[[int], None]) -> bytes:
@@ -23,3 +27,43 @@ def misbehave(payload: bytes, progress: Callable[[int], None]) -> bytes:
         case b"print":
             os.write(1, b"more noise\n")
     return payload
+
+
+def once(payload: bytes, progress: Callable[[int], None]) -> bytes:
+    """Do what the payload's first word says the first time, and return the second time.
+
+    The second word names a file that tells the times apart.
+    """
+    what, _, name = payload.decode().partition(" ")
+    if Path(name).exists():
+        return b"done"
+    Path(name).touch()
+    if what == "unfit":
+        raise UnfitWorker("it is the first machine")
+    os.kill(os.getppid(), signal.SIGKILL)  # Ray's own process on this machine
+    time.sleep(60)
+    return b"outlived its parent"
+
+
+def unfit(payload: bytes, progress: Callable[[int], None]) -> bytes:
+    raise UnfitWorker("no machine is good enough")
+
+
+def everything_around(payload: bytes, progress: Callable[[int], None]) -> bytes:
+    """Return the environment of this process and of all that it comes from."""
+    found, process = b"", os.getpid()
+    while process > 1:
+        found += Path(f"/proc/{process}/environ").read_bytes() + b"\n"
+        if str(process) == payload.decode():
+            break
+        process = int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
+    return found
+
+
+def count(payload: bytes, progress: Callable[[int], None]) -> bytes:
+    """Add a line to a file in the carried folder of that name; return the lines."""
+    folder = carried_folder(payload.decode())
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "lines").open("a") as file:
+        file.write("x")
+    return (folder / "lines").read_bytes()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from robomore.executors import Done, Failed, Outcome
+from robomore.executors import Done, Failed, Outcome, thread_map
 from robomore.executors.processes import Processes
 
 
@@ -56,6 +57,22 @@ def test_an_error_of_should_stop_is_raised(processes: Processes) -> None:
 
     with pytest.raises(ZeroDivisionError, match="on purpose"):
         list(processes.map("jobs:misbehave", [b"fine"], lambda index, units: None, 30, broken))
+
+
+def test_several_threads_share_the_workers(processes: Processes) -> None:
+    def batch(count: int) -> list[Outcome]:
+        return outcomes(processes, "misbehave", [b"fine"] * count)
+
+    found = thread_map(3)([partial(batch, count) for count in (3, 1, 2)])
+    assert [len(one) for one in found] == [3, 1, 2]
+    assert all(one == Done(b"fine") for some in found for one in some)
+
+
+def test_a_batch_that_is_given_up_leaves_the_others_alone(processes: Processes) -> None:
+    given_up = processes.map("jobs:misbehave", [b"fine", b"hang"], lambda index, units: None, 60)
+    assert next(given_up) == (0, Done(b"fine"))
+    given_up.close()
+    assert outcomes(processes, "misbehave", [b"fine"] * 3) == [Done(b"fine")] * 3
 
 
 def test_a_closed_executor_says_so(processes: Processes) -> None:

@@ -68,8 +68,10 @@ def test_the_earliest_error_is_raised_after_the_running_calls_end() -> None:
 def test_ctrl_c_does_not_wait_for_a_call_that_hangs() -> None:
     program = textwrap.dedent(
         """
-        import _thread, threading, time
+        import _thread, signal, threading, time
         from robomore.executors import thread_map
+        # A shell that starts programs in the background has them ignore it.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         threading.Timer(0.3, _thread.interrupt_main).start()
         try:
             thread_map(2)([lambda: time.sleep(60)] * 2)

@@ -52,6 +52,9 @@ MECHANISMS = {
     "memory that is not watched": (
         *("availability/main_thread_ends", "availability/growing_stack"),
     ),
+    "memory in the kernel": (
+        *("availability/pages_in_pipes", "availability/descriptors_of_a_thread"),
+    ),
     "disk": ("availability/big_file", "availability/removed_while_open"),
     "disk without names": ("availability/nameless_file", "availability/move_while_counted"),
     "output": ("availability/print_gigabyte",),

@@ -336,7 +336,7 @@ def test_odd_answers_are_answers() -> None:
 def test_check_says_what_a_model_can_do(steps: list, structured: str) -> None:
     with serve(*steps) as (url, _):
         result = check(model_at(url)[0])
-    assert (result.model, result.reply) == ("compatible:toy", "ready")
+    assert (result.model, result.reply) == ("toy", "ready")
     assert result.structured == structured
     assert (result.tokens, result.cost) == (240, 0.0)
 

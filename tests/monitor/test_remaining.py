@@ -100,14 +100,15 @@ def test_nothing_is_said_before_something_is_measured() -> None:
 @pytest.mark.parametrize(
     ("running", "waiting", "workers", "end"),
     [
-        ([], [], 2, 0.0),
-        ([5.0], [], 4, 5.0),
-        ([], [3.0, 3.0, 3.0], 2, 6.0),
-        ([1.0, 4.0], [2.0, 2.0], 2, 5.0),
-        ([1.0], [2.0, 2.0], 8, 2.0),
+        ([], {}, 2, 0.0),
+        ([5.0], {}, 4, 5.0),
+        ([], {3.0: 3}, 2, 6.0),
+        ([1.0, 4.0], {2.0: 2}, 2, 5.0),
+        ([1.0], {2.0: 2}, 8, 2.0),
+        ([], {3.0: 99_999}, 2, 150_000.0),
     ],
 )
 def test_the_first_free_worker_takes_the_next_one(
-    running: list[float], waiting: list[float], workers: int, end: float
+    running: list[float], waiting: dict[float, int], workers: int, end: float
 ) -> None:
     assert makespan(running, waiting, workers) == end

@@ -19,6 +19,7 @@ from monitor.told import (
 )
 from robomore.events import BatchBegan, Finished, Progressed, Started
 from robomore.monitor import RunState
+from robomore.plan import Plan, Stage
 from robomore.types import Place
 
 __all__ = ["clock", "state"]
@@ -26,7 +27,7 @@ __all__ = ["clock", "state"]
 
 def test_counts_and_best(state: RunState) -> None:
     assert (state.asked, state.done, state.failed) == (4, 2, 1)
-    assert state.open == [GRID[1], GRID[3]]
+    assert list(state.open) == [GRID[1], GRID[3]]
     assert list(state.running) == ["b"]
     assert state.best is not None and state.best[1] == GRID[0]
     assert state.trouble.startswith("reward-failed: line 3")
@@ -103,3 +104,19 @@ def test_a_failure_says_nothing_of_speed(clock: Clock) -> None:
     clock.now += 1
     state(Finished(failed("c"), GRID[2], known=False))
     assert state.time_left() is None
+
+
+def test_a_stage_in_batches_is_counted_as_a_whole(clock: Clock) -> None:
+    state = RunState(clock)
+    grown = Stage(name="generations", evaluations=6, batches=3)
+    state(replace(BEGAN, plan=Plan((grown, *BEGAN.plan.stages))))
+    places = [Place(stage="generations", index=(i,)) for i in range(6)]
+    counts = []
+    for first in (0, 2):
+        state(BatchBegan(tuple(places[first : first + 2]), known=0))
+        for place in places[first : first + 2]:
+            state(Finished(measured(f"k{place.index[0]}", 1.0), place, known=False))
+            counts.append((state.done, state.asked, state.batch))
+    assert counts == [(1, 6, 2), (2, 6, 2), (3, 6, 2), (4, 6, 2)]
+    state(BatchBegan(GRID, known=0))
+    assert (state.done, state.asked) == (0, 4)

@@ -63,6 +63,7 @@ PLAN = Plan(
 """Its stages are called as no method of ours calls them."""
 
 BEGAN = RunBegan(
+    fitness_unit="m",
     task="ant",
     preset="quick",
     settings=SETTINGS,

@@ -283,7 +283,7 @@ def test_a_failed_cell_says_why_and_a_missing_one_that_it_is_missing(tmp_path: P
     design = Design(run.morphology(0.5), run.reward(1.0))
     run.add(design, Place(stage="coarse", index=(0, 0)), None, Status.CRASHED, "it went away")
     (grid,) = grids(load_run(tmp_path))
-    drawn = heatmap(grid, "efficiency")
+    drawn = heatmap(grid, "efficiency", "m")
     assert "it went away" in drawn
     assert drawn.count('not measured yet"') == 11
     # The script says it to a finger and to the keyboard too, which cannot hover.
@@ -300,7 +300,7 @@ def test_cells_that_screening_cut_are_pale_and_say_so(tmp_path: Path) -> None:
         ledger.noting(lambda event: None)(Cut(left_out, 0, "number 4 of 4"))
     found = load_run(tmp_path)
     (grid,) = grids(found)
-    drawn = heatmap(grid, "efficiency")
+    drawn = heatmap(grid, "efficiency", "m")
     assert drawn.count('class="cut"') == 1
     assert "after 200 steps, cut by screening" in drawn
     assert "morphology 2 x reward 2: not tried: number 4 of 4" in drawn
@@ -310,12 +310,12 @@ def test_cells_that_screening_cut_are_pale_and_say_so(tmp_path: Path) -> None:
 
 def test_the_column_of_the_reference_reward_is_labelled(runs: dict[str, Run]) -> None:
     (grid,) = grids(runs["robomore"])
-    drawn = heatmap(grid, "efficiency")
+    drawn = heatmap(grid, "efficiency", "m")
     assert ">reference reward<" in drawn
     assert ">reward 1<" not in drawn
     assert ">reward 2<" in drawn
     (grid,) = grids(runs["foreign"])
-    assert "reference" not in heatmap(grid, "efficiency")
+    assert "reference" not in heatmap(grid, "efficiency", "m")
 
 
 def test_designs_that_move_backwards_are_drawn_at_the_edge(tmp_path: Path) -> None:
@@ -325,7 +325,7 @@ def test_designs_that_move_backwards_are_drawn_at_the_edge(tmp_path: Path) -> No
         run.add(design, Place(stage="coarse", index=(0, column)), fitness)
     found = load_run(tmp_path)
     (grid,) = grids(found)
-    for drawn in (heatmap(grid, "efficiency"), best_so_far(found), fitness_over_volume(found)):
+    for drawn in (heatmap(grid, "efficiency", "m"), best_so_far(found), fitness_over_volume(found)):
         ElementTree.fromstring(drawn)
         assert "nan" not in drawn
 

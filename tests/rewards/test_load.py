@@ -58,6 +58,13 @@ def test_explains_an_error_by_the_innermost_line_of_the_reward() -> None:
     )
 
 
+def test_a_misspelt_function_is_named() -> None:
+    reward = load_reward("def _get_rew(self, v, a):\n    return np.sqare(v), {}\n")
+    with pytest.raises(AttributeError) as caught:
+        reward(None, 0.0, np.zeros(1))
+    assert "'sqare'. Did you mean 'square'? (line 2:" in explain(caught.value)
+
+
 def test_explains_an_error_that_cannot_describe_itself() -> None:
     class Mute(Exception):
         def __str__(self) -> str:

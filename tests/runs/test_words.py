@@ -63,6 +63,8 @@ def test_durations_are_told_as_people_say_them() -> None:
 
 
 def test_a_score_has_its_unit_or_its_name() -> None:
-    assert in_unit(2.0, "efficiency") == "2.000 m/m³"
-    assert in_unit(2.0, "fitness") == "2.000 m"
-    assert in_unit(2.0, "transport-economy") == "2.000 (transport economy)"
+    assert in_unit(2.0, "efficiency", "m") == "2.000 m/m³"
+    assert in_unit(2.0, "efficiency", "") == "2.000 1/m³"
+    assert in_unit(2.0, "fitness", "m/J") == "2.000 m/J"
+    assert in_unit(2.0, "fitness", "") == "2.000 (fitness)"
+    assert in_unit(2.0, "transport-economy", "m") == "2.000 (transport economy)"

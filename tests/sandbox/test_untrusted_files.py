@@ -81,6 +81,27 @@ def test_only_matrices_and_vectors_of_float32_are_read(tmp_path: Path, array: np
         read_arrays(tmp_path / "a.npz", 10_000, 8)
 
 
+@pytest.mark.parametrize(
+    "header",
+    [
+        "{'descr': '<f4', 'fortran_order': False, 'shape': " + "(" * 2000,
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (3,), } or {}",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (-3,), }",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (999999999999,), }",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 1, 1), }",
+        "{'descr': '<f4'",
+        "3L",
+        "",
+    ],
+)
+def test_a_header_is_never_evaluated(tmp_path: Path, header: str) -> None:
+    length = len(header).to_bytes(2, "little")
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("x.npy", b"\x93NUMPY\x01\x00" + length + header.encode() + bytes(12))
+    with pytest.raises(UntrustedFileError, match="header"):
+        read_arrays(tmp_path / "a.npz", 10_000, 8)
+
+
 def test_an_archive_is_bounded_and_has_each_name_once(tmp_path: Path) -> None:
     path = tmp_path / "a.npz"
     np.savez(path, **{f"x{i}": np.zeros(1, "<f4") for i in range(9)})

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from robomore.sandbox.wire import (
     MAX_BODY,
+    MOST_BYTES,
     Frames,
     Kind,
     MalformedFrame,
@@ -42,6 +43,13 @@ def test_cut_anywhere(sent: list[tuple[Kind, bytes]], piece: int) -> None:
 def test_nonsense_is_refused(nonsense: bytes) -> None:
     with pytest.raises(MalformedFrame):
         Frames().feed(nonsense)
+
+
+def test_a_flood_of_valid_frames_ends() -> None:
+    frames, flood = Frames(), (struct.pack("<BI", Kind.PROGRESS, 8) + bytes(8)) * 2**16
+    with pytest.raises(MalformedFrame, match="MiB"):
+        for _ in range(MOST_BYTES // len(flood) + 1):
+            frames.feed(flood)
 
 
 def test_numbers() -> None:

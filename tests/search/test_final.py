@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from robomore.search import Final, final
-from robomore.search.final import stage
+from robomore.search.final import Group, stage
 from robomore.settings import FinalSettings
 from robomore.types import Design, Morphology, Reward
 from search.fakes import Measuring, evaluation, numbers
@@ -16,11 +16,15 @@ REFERENCE = Design(Morphology((7.0,)), Reward("1.0"))
 
 
 def play(
-    score: Callable[[float, float], float | None], finalists: int = 1, seeds: int = 2
+    score: Callable[[float, float], float | None],
+    finalists: int = 1,
+    seeds: int = 2,
+    doubt: Callable[[Group], str] = lambda group: "",
 ) -> tuple[Final, Measuring]:
     measuring = Measuring(score)
     found = [evaluation(Design(Morphology((n,)), Reward("5.0")), 9.0) for n in (1.0, 2.0)]
-    return final(measuring, found[:finalists], REFERENCE, seeds, "efficiency"), measuring
+    result = final(measuring, found[:finalists], REFERENCE, seeds, "efficiency", doubt=doubt)
+    return result, measuring
 
 
 def pair(group: tuple) -> tuple[float, float]:  # type: ignore[type-arg]
@@ -84,3 +88,29 @@ def test_the_reference_as_finalist_is_compared_with_itself() -> None:
     result = final(measuring, [found], REFERENCE, 2, "efficiency")
     groups = (result.found, result.reference, result.morphology_only, result.reward_only)
     assert {pair(group) for group in groups} == {(7.0, 1.0)}
+
+
+def test_a_finalist_that_fails_its_audit_is_passed_over_with_its_reason() -> None:
+    def doubt(group: Group) -> str:
+        return "energy: from nowhere" if pair(group)[0] == 2.0 else ""
+
+    result, _ = play(lambda morphology, reward: morphology * reward, 2, doubt=doubt)
+    assert pair(result.found) == (1.0, 5.0) and pair(result.morphology_only) == (1.0, 1.0)
+    (over,) = result.passed_over
+    assert pair(over[0]) == (2.0, 5.0) and over[1] == "energy: from nowhere"
+
+
+def test_the_reference_is_champion_where_all_others_fail() -> None:
+    asked: list[tuple[float, float]] = []
+
+    def doubt(group: Group) -> str:
+        asked.append(pair(group))
+        return "no"
+
+    result, _ = play(lambda morphology, reward: reward / morphology, 2, doubt=doubt)
+    assert pair(result.champion) == pair(result.reference) == (7.0, 1.0)
+    assert pair(result.found) == (1.0, 5.0), "the search's best is told all the same"
+    assert len(asked) == len(set(asked)) == len(result.passed_over), "each is audited once"
+    # What is no better than the reference need not be audited.
+    result, _ = play(lambda morphology, reward: morphology / reward, doubt=doubt)
+    assert not result.passed_over

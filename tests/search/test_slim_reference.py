@@ -50,6 +50,6 @@ def test_a_scale_beyond_the_bounds_and_a_robot_without_radii_are_refused() -> No
     with pytest.raises(InputError, match=r"scaled by 0\.01: .* allow 0\.10"):
         slim(get_task("half-cheetah"), SlimReferenceSettings(thinnest=0.01))
     swimmer = get_task("swimmer")
-    fixed = replace(swimmer, shapes=lambda values: swimmer.shapes(swimmer.named(swimmer.reference)))
+    fixed = replace(swimmer, shapes=lambda values: swimmer.solids(swimmer.named(swimmer.reference)))
     with pytest.raises(InputError, match="no parameter of swimmer sets a radius"):
         slim(fixed, PLAIN)

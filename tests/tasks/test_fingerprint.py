@@ -131,7 +131,7 @@ def test_the_same_text_elsewhere_is_the_same_task(tube: Task, tmp_path: Path) ->
     [
         ({"terrain": get_task("ant-desert").terrain}, "terrain"),
         ({"episode_steps": 10}, "episode"),
-        ({"version": 2}, "version"),
+        ({"version": 99}, "version"),
         ({"environment": "robomore.envs.robots.swimmer:SwimmerEnvironment"}, "environment"),
     ],
 )

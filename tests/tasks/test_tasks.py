@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import json
 import math
 from importlib.metadata import EntryPoint
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,8 +14,9 @@ import numpy as np
 import pytest
 
 from robomore.errors import InputError, InvalidMorphology
-from robomore.tasks import TASKS, Task, get_task
+from robomore.tasks import TASKS, Rule, Task, get_task
 from robomore.tasks.registry import PAPER_TASKS
+from robomore.tasks.unit_space import UnitSpace
 
 VOLUMES = {
     "ant": 0.182176,
@@ -55,7 +58,9 @@ def test_parameters_are_described_and_bounded(task: Task) -> None:
             parameter.high,
         )
         assert parameter.meaning and parameter.unit == "m"
-        assert parameter.scale == "linear" or parameter.low > 0
+        low, high = parameter.search or (parameter.low, parameter.high)
+        assert parameter.low <= low <= parameter.reference <= high <= parameter.high
+        assert parameter.scale == "linear" or low > 0
 
 
 @pytest.mark.parametrize("count", [0, 5, 25])
@@ -81,25 +86,35 @@ def test_no_number_is_refused(task: Task) -> None:
 
 
 VIOLATIONS: list[tuple[str, int, dict[str, float], tuple[str, ...]]] = [
-    ("ant", 0, {"foot_x": 0.01, "foot_y": 0.02}, ("foot_x = 0.01", "foot_y = 0.02", "0.2 m")),
-    ("ant", 1, {"torso_radius": 0.48, "foot_x": 0.1}, ("torso_radius = 0.48", "0.4623")),
-    ("ant", 2, {"leg_x": 1.5}, ("leg_x = 1.5", "hip_x = 0.2", "0.454")),
-    ("hopper", 0, {"knee_height": 1.2}, ("knee_height = 1.2", "hip_height = 1.05", "0.05")),
-    ("hopper", 1, {"foot_back": 0.0, "foot_front": 0.01}, ("foot_front = 0.01", "0.02")),
-    ("hopper", 2, {"foot_radius": 0.2}, ("foot_radius = 0.2", "ankle_height = 0.1")),
-    ("hopper", 3, {"torso_radius": 0.25, "leg_radius": 0.1, "hip_height": 0.9},
+    ("ant", 0, {"leg_x": 0.0, "leg_y": 0.0}, ("leg_x = 0 m", "leg segment")),
+    ("ant", 1, {"foot_x": 0.01, "foot_y": 0.02}, ("foot_x = 0.01", "foot_y = 0.02", "0.2 m")),
+    ("ant", 2, {"torso_radius": 0.48, "foot_x": 0.1}, ("torso_radius = 0.48", "0.4623")),
+    ("ant", 3, {"leg_x": 1.5}, ("leg_x = 1.5", "hip_x = 0.2", "0.454")),
+    ("hopper", 0, {"knee_height": 1.2}, ("knee_height = 1.2", "hip_height = 1.05")),
+    ("hopper", 1, {"foot_back": 0.1, "foot_front": 0.1}, ("foot_front = 0.1", "same point")),
+    ("hopper", 2, {"knee_height": 1.02}, ("knee_height = 1.02", "hip_height = 1.05", "0.05")),
+    ("hopper", 3, {"foot_back": 0.0, "foot_front": 0.01}, ("foot_front = 0.01", "0.02")),
+    ("hopper", 4, {"foot_radius": 0.2}, ("foot_radius = 0.2", "ankle_height = 0.1")),
+    ("hopper", 5, {"torso_radius": 0.25, "leg_radius": 0.1, "hip_height": 0.9},
      ("torso_radius", "0.35", "hip_height - knee_height = 0.3")),
-    ("walker", 0, {"torso_top": 1.06}, ("torso_top = 1.06", "hip_height = 1.05", "0.05")),
-    ("walker", 1, {"foot_front": 0.0}, ("foot_front = 0", "0.02")),
-    ("walker", 2, {"leg_radius": 0.15}, ("leg_radius = 0.15", "ankle_height = 0.1")),
+    ("walker", 0, {"torso_top": 1.04}, ("torso_top = 1.04", "hip_height = 1.05")),
+    ("walker", 1, {"foot_front": 0.0}, ("foot_front = 0", "same point")),
+    ("walker", 2, {"torso_top": 1.06}, ("torso_top = 1.06", "hip_height = 1.05", "0.05")),
+    ("walker", 3, {"foot_front": 0.01}, ("foot_front = 0.01", "0.02")),
+    ("walker", 4, {"leg_radius": 0.15}, ("leg_radius = 0.15", "ankle_height = 0.1")),
     ("swimmer", 0, {"back_radius": 0.012}, ("back_radius = 0.012", "front_length = 1", "0.017")),
-    ("half-cheetah", 0, {"head_x": 0.01, "head_z": 0.0}, ("head_x = 0.01", "0.03")),
-    ("half-cheetah", 1, {"front_foot_z": 0.5}, ("front_foot_z", "0.09419", "0 m")),
-    ("half-cheetah", 2, {"back_thigh_z": -0.9, "back_shin_z": 0.4},
+    ("half-cheetah", 0, {"head_x": 0.0, "head_z": 0.0}, ("head_x = 0", "1e-06")),
+    ("half-cheetah", 1, {"head_x": 0.01, "head_z": 0.0}, ("head_x = 0.01", "0.03")),
+    ("half-cheetah", 2, {"front_foot_z": 0.5}, ("front_foot_z", "0.09419", "0 m")),
+    ("half-cheetah", 3, {"back_thigh_z": -0.9, "back_shin_z": 0.4},
      ("back_thigh_z = -0.9", "-0.6812")),
-    ("half-cheetah", 3, {"back_thigh_z": 0.2, "front_thigh_z": 0.2, "head_radius": 0.2},
+    ("half-cheetah", 4, {"back_thigh_z": 0.2, "front_thigh_z": 0.2, "head_radius": 0.2},
      ("head_radius = 0.2", "0.1142")),
 ]  # fmt: skip
+
+
+def all_rules(task: Task) -> tuple[Rule, ...]:
+    return (*task.rules, *task.search_rules)
 
 
 @pytest.mark.parametrize(("id", "index", "changes", "said"), VIOLATIONS)
@@ -108,20 +123,63 @@ def test_each_rule_names_parameters_values_and_bound(
 ) -> None:
     task = get_task(id)
     body = dict(zip(task.names, task.reference, strict=True))
-    assert task.rules[index].violation(body) is None
-    fault = task.rules[index].violation(body | changes)
+    rule = all_rules(task)[index]
+    assert rule.violation(body) is None
+    fault = rule.violation(body | changes)
     assert fault is not None
     for words in said:
         assert words in fault
     with pytest.raises(InvalidMorphology):
-        task.check(body | changes)
+        task.searched().check(body | changes)
+    if rule in task.search_rules:
+        assert task.check(body | changes), "a rule for samplers refuses nobody else's morphology"
+    else:
+        with pytest.raises(InvalidMorphology):
+            task.check(body | changes)
 
 
 def test_every_rule_is_tried_above() -> None:
     tried = {(id, index) for id, index, _, _ in VIOLATIONS}
     families = {task.id: task for task in PAPER_TASKS if not task.id.startswith("ant-")}
-    assert tried == {(id, i) for id, task in families.items() for i in range(len(task.rules))}
-    assert all(TASKS[id].rules == TASKS["ant"].rules for id in TASKS if id.startswith("ant-"))
+    assert tried == {(id, i) for id, task in families.items() for i in range(len(all_rules(task)))}
+    assert all(all_rules(TASKS[id]) == all_rules(TASKS["ant"]) for id in TASKS if "ant-" in id)
+
+
+PUBLISHED = json.loads((Path(__file__).parent / "data" / "published_morphologies.json").read_text())
+PUBLISHED.pop("source")
+
+
+@pytest.mark.parametrize("id", PUBLISHED)
+def test_every_published_morphology_is_accepted(id: str) -> None:
+    task = get_task(id)
+    for row in PUBLISHED[id]:
+        assert task.check(row) == tuple(row)
+        assert task.volume(row) > 0
+    assert len(PUBLISHED[id]) == 15
+
+
+@pytest.mark.parametrize("id", ["hopper", "walker"])
+def test_the_order_of_a_foot_s_ends_is_free(id: str) -> None:
+    task = get_task(id)
+    body = dict(zip(task.names, task.reference, strict=True))
+    turned = body | {"foot_back": body["foot_front"], "foot_front": body["foot_back"]}
+    assert task.volume(turned) == task.volume(body)
+    both_behind = body | {"foot_back": -0.05, "foot_front": -0.3}
+    assert task.check(both_behind)
+
+
+def test_samplers_keep_to_their_own_ranges() -> None:
+    task = get_task("half-cheetah")
+    searched = task.searched()
+    assert searched.searched() == searched
+    long = dict(zip(task.names, task.reference, strict=True)) | {"back_foot_z": -2.5}
+    assert task.check(long)
+    with pytest.raises(InvalidMorphology, match=r"back_foot_z = -2.5 m is outside \[-1, 0.5\]"):
+        searched.check(long)
+    space = UnitSpace(task)
+    assert space.units([list(long.values())]).min() == 0.0, "it counts as the nearest one within"
+    assert space.volumes(np.array([list(long.values())]))[0] == task.volume(long)
+    assert not space.valid(np.array([list(long.values())]))[0]
 
 
 def test_rewards_are_the_official_formulas(task: Task) -> None:
@@ -180,7 +238,7 @@ def test_variants_of_ant_differ_only_where_they_should() -> None:
         for name in same - set(changed):
             assert getattr(variant, name) == getattr(ant, name), name
     assert get_task("ant-powered").constants["gear"] == 2 * ant.constants["gear"]
-    assert get_task("ant-jump").fitness == "height"
+    assert get_task("ant-jump").goal.name == "height"
     assert "jump" in get_task("ant-jump").description
 
 

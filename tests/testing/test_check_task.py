@@ -18,20 +18,33 @@ def test_the_paper_s_tasks_keep_the_contract(task: str) -> None:
     check_task(get_task(task))
 
 
+FILLED = SWIMMER.mjcf(SWIMMER.reference)
+
+
 def first(**changes: Any) -> Task:
     parameter: Parameter = replace(SWIMMER.parameters[0], **changes)
-    return replace(SWIMMER, parameters=(parameter, *SWIMMER.parameters[1:]))
+    parameters = (parameter, *SWIMMER.parameters[1:])
+    return replace(SWIMMER, parameters=parameters, template=FILLED, shapes=SWIMMER.solids)
 
 
 @pytest.mark.parametrize(
     ("task", "said"),
     [
-        (replace(SWIMMER, parameters=()), "at least one free parameter"),
+        (replace(SWIMMER, parameters=(), template=FILLED), "at least one free parameter"),
         (first(name=SWIMMER.parameters[1].name), "two parameters have one name"),
         (first(low=9.0), "low has to be below high"),
         (first(reference=-1.0), "outside its bounds"),
         (first(meaning=""), "no meaning"),
         (replace(SWIMMER, shapes=lambda values: ()), "no volume"),
+        (
+            # The second and third segment are forgotten.
+            replace(SWIMMER, shapes=lambda values: SWIMMER.solids(values)[:1]),
+            "`shapes` have .* m³ and the robot's solids .* m³",
+        ),
+        (
+            replace(SWIMMER, template=SWIMMER.template.partition("<actuator>")[0] + "</mujoco>"),
+            "no motors",
+        ),
         (
             replace(SWIMMER, reward="def _get_rew(self, v, a):\n    return float('nan'), {}\n"),
             "must be finite",

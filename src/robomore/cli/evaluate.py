@@ -21,6 +21,7 @@ from robomore.cli.inputs import (
 from robomore.cli.output import console, write, write_json
 
 if TYPE_CHECKING:
+    from robomore.tasks.fitness import Fitness
     from robomore.types import Evaluation
 
 
@@ -108,7 +109,7 @@ def evaluate(
         # The job is long: whoever reads it with their eyes wants the outcome first.
         write_json({**{k: v for k, v in data.items() if k != "job"}, "job": data["job"]})
     else:
-        _print(evaluation)
+        _print(evaluation, chosen.goal)
     return 0 if evaluation.ok else 1
 
 
@@ -126,19 +127,23 @@ def _progress(steps: int) -> Iterator[Callable[[int], None]]:
         yield lambda done: bars.update(bar, completed=done)
 
 
-def _print(evaluation: Evaluation) -> None:
-    from robomore.runs.words import EFFICIENCY_UNIT, duration, number
+def _print(evaluation: Evaluation, goal: Fitness) -> None:
+    from robomore.runs.words import duration, label, measured, number
 
     lines = [f"status      {evaluation.status}"]
     if evaluation.ok:
         episodes = evaluation.episode_fitness
+        low, high = number(min(episodes)), number(max(episodes))
+        spread = f"mean of {len(episodes)} episodes, {low} to {high}"
         lines += [
-            f"efficiency  {number(evaluation.efficiency)} {EFFICIENCY_UNIT}",
-            f"fitness     {number(evaluation.fitness)} m (mean of {len(episodes)} episodes, "
-            f"{number(min(episodes))} to {number(max(episodes))})",
+            f"efficiency  {number(evaluation.efficiency)} {goal.per_volume}",
+            f"fitness     {number(evaluation.fitness)} {goal.unit}".rstrip() + f" ({spread})",
             f"volume      {number(evaluation.volume)} m³",
         ]
-        lines += [f"{name:10}  {number(value)}" for name, value in evaluation.behaviour.items()]
+        lines += [
+            f"{label(name)}: {measured(name, value)}"
+            for name, value in evaluation.behaviour.items()
+        ]
         lines += [
             f"term {name}: mean {number(term.mean)}, from {number(term.low)} to {number(term.high)}"
             for name, term in evaluation.terms.items()

@@ -12,6 +12,7 @@ from typing import Any
 from robomore.errors import InputError, InvalidReward
 from robomore.plain_files import cannot_write
 from robomore.tasks import Task
+from robomore.types import Morphology, Reward, Start
 
 REFERENCE = "reference"
 
@@ -76,6 +77,38 @@ def read_reward(task: Task, given: str) -> str:
     return source
 
 
+def read_start(task: Task, given: str) -> Start:
+    """Return what a search is to start from.
+
+    Args:
+        task: of the search.
+        given: a JSON file with parameters, a Python file with a reward, the folder of a run (its
+            champion is meant), or the folder of one design.
+
+    Raises:
+        InputError: there is nothing of that kind.
+        InvalidMorphology, InvalidReward: as `read_parameters` and `read_reward`.
+    """
+    path = Path(given)
+    if (path / "run.json").is_file():
+        from robomore.experiment.starting import champion_of
+        from robomore.runs import load_run
+
+        return champion_of(task, load_run(path))
+    design, reward = path / "design.json", path / "reward.py"
+    if path.is_dir() and design.is_file():
+        source = Reward(read_reward(task, str(reward))) if reward.is_file() else None
+        return Start(given, Morphology(read_parameters(task, str(design))), source)
+    if path.suffix == ".py":
+        return Start(given, reward=Reward(read_reward(task, given)))
+    if path.suffix == ".json":
+        return Start(given, Morphology(read_parameters(task, given)))
+    raise InputError(
+        f"--start-from {given} is nothing to start from; name a .json file with parameters, a .py "
+        "file with a reward, the folder of a run, or a folder with design.json and reward.py"
+    )
+
+
 def read_options(option: str, given: Sequence[str] | None, example: str) -> dict[str, Any]:
     """Return `name=value` pairs by name: values are JSON, and text where they are not.
 
@@ -100,16 +133,31 @@ def read_options(option: str, given: Sequence[str] | None, example: str) -> dict
 
 
 def read_duration(option: str, given: str) -> float:
-    """Return a time such as `90`, `90s`, `30m` or `2h` in seconds.
+    """Return a time such as `90s`, `30m` or `2h` in seconds.
+
+    Raises:
+        InputError: it is none, has no unit, or is not above 0.
+    """
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", given.strip())
+    if not found or not float(found[1]):
+        raise InputError(f"--{option} {given} is no time; write 90s, 30m or 2h")
+    number, unit = found.groups()
+    if unit is None:
+        raise InputError(f"--{option} {given} has no unit; write {number}s, {number}m or {number}h")
+    return float(number) * {"s": 1, "m": 60, "h": 3600}[unit]
+
+
+def read_bytes(option: str, given: str) -> int:
+    """Return an amount of memory such as `512MiB` or `2GiB` in bytes.
 
     Raises:
         InputError: it is none, or not above 0.
     """
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", given.strip())
-    seconds = float(found[1]) * {None: 1, "s": 1, "m": 60, "h": 3600}[found[2]] if found else 0.0
-    if not seconds:
-        raise InputError(f"--{option} {given} is no time; write 90s, 30m or 2h")
-    return seconds
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMGT])(?:i?B)?", given.strip())
+    amount = int(float(found[1]) * 2 ** (10 * (1 + "KMGT".index(found[2])))) if found else 0
+    if not amount:
+        raise InputError(f"--{option} {given} is no amount of memory; write 512MiB or 2GiB")
+    return amount
 
 
 def read_text(path: Path, remedy: str) -> str:

@@ -18,7 +18,7 @@ from rich.text import Text
 from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.monitor import RunState
-from robomore.runs.words import duration, in_unit, number
+from robomore.runs.words import duration, equation, in_unit
 from robomore.text import one_line
 from robomore.types import Evaluation, Place
 
@@ -126,7 +126,7 @@ class PlainLines:
                 self._say(f"containment: {event.containment}")
             case BatchBegan() if state.stage != self._stage:
                 self._stage = state.stage
-                self._say(f"{state.stage}: {_several(state.asked, 'evaluation')} to begin with")
+                self._say(f"{state.stage}: {_several(state.batch, 'evaluation')} to begin with")
             case Proposed() if event.failure:
                 why = one_line(event.failure)[:_LONGEST]
                 self._say(f"{event.slot}, attempt {event.slot.attempt + 1}: {why}")
@@ -185,12 +185,13 @@ def _where(state: RunState, place: Place) -> str:
 
 
 def _told(state: RunState, evaluation: Evaluation, place: Place) -> str:
-    said = f"{number(evaluation.fitness)} m / {number(evaluation.volume)} m³"
-    efficiency = in_unit(evaluation.efficiency, "efficiency")
+    unit = state.run.fitness_unit if state.run else ""
+    said = equation(evaluation, unit)
+    efficiency = in_unit(evaluation.efficiency, "efficiency", unit)
     if state.objective == "efficiency":
         said = f"{efficiency} = {said}"
     else:
-        score = in_unit(evaluation.score(state.objective), state.objective)
+        score = in_unit(evaluation.score(state.objective), state.objective, unit)
         said = f"{score}; {said} = {efficiency}"
     return f"{said} ({_where(state, place)})"
 

@@ -29,6 +29,7 @@ def prompt(
     objective: Literal["efficiency", "fitness", "transport-economy"] | None = None,
     history_tokens: int | None = None,
     history_rule: str | None = None,
+    hint: str = "",
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,
 ) -> None:
     """Print exactly what would be sent to a language model, by default in a `quick` run.
@@ -47,6 +48,8 @@ def prompt(
         The most tokens that the history may take; by default those of the run, or 4000.
     history_rule
         How entries of the history are chosen; by default as in the run.
+    hint
+        A remark of yours, as `robomore run --hint` takes it.
     as_json
         Print JSON: the messages, and the schema that a provider may enforce.
     """
@@ -78,6 +81,7 @@ def prompt(
         settings=history,
         training=training_facts(seen.settings or preset(DEFAULT_PRESET), chosen),
         curve_of=seen.curve_of,
+        hint=hint,
     )
     if seen.vision and kind.startswith("improve"):
         role, question = messages

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group, Parameter
 
-from robomore.cli.inputs import seed_number
+from robomore.cli.inputs import read_start, seed_number
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen, forecast
 from robomore.cli.output import tell, write, write_json
 from robomore.cli.run_options import Final, Machine, Search, Training, settings_of
@@ -26,6 +26,7 @@ def run(
     training: Training | None = None,
     final: Final | None = None,
     designer: Annotated[str | None, Parameter(group=Group("Designer", sort_key=4))] = None,
+    hint: Annotated[str, Parameter(group=Group("Designer", sort_key=4))] = "",
     model: ModelOptions | None = None,
     replay: ReplayOptions | None = None,
     machine: Machine | None = None,
@@ -45,6 +46,9 @@ def run(
     designer
         Who proposes morphologies and rewards: `offline` (no language model; the default), `llm`
         (with `--model`) or `replay` (with `--from`). Some methods ask no designer.
+    hint
+        Your remark for a language model. While the run goes on, the file `hint.txt` in its folder
+        holds more: what it says is added to the next requests.
     quiet
         Show nothing while the run goes on.
     as_json
@@ -72,13 +76,13 @@ def run(
 
     if isinstance(proposing, LanguageModel) and not quiet:
         tell(forecast(wanted, proposing, settings) + "\n")
-    with watched(quiet) as observe:
+    with machine.opened() as executor, watched(quiet) as observe:
         found = start(
             wanted,
             settings,
             designer=proposing,
             seed=seed,
-            executor=machine.executor,
+            executor=executor,
             workers=machine.workers,
             out=machine.out,
             budget_steps=search.budget_steps,
@@ -86,6 +90,8 @@ def run(
             containment=machine.containment,
             observe=observe,
             name=settings_name(search.preset, settings),
+            start_from=[read_start(wanted, one) for one in search.start_from or ()],
+            hint=hint,
         )
 
     if as_json:

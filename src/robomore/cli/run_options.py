@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
-from robomore.cli.inputs import positive, read_duration, read_options
+from robomore.cli.inputs import positive, read_bytes, read_duration, read_options
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
+    from robomore.executors import Executor
+    from robomore.executors.resources import Resources
     from robomore.settings import RunSettings
+
+RAY = "ray"
 
 DEFAULT_PRESET = "quick"
 
@@ -46,6 +52,10 @@ class Search:
         About how many full trainings the search may use, for methods without sizes of their own.
     budget_steps
         Control steps of training that the search may use. The final comes on top.
+    start_from
+        What the search starts from besides the reference design: a JSON file with parameters, a
+        Python file with a reward, or the folder of a run (its champion) or of a design. May be
+        given several times.
     time_limit
         Time after which nothing new is started: `90s`, `30m` or `2h`. The run then ends with the
         best so far, and the same command goes on later.
@@ -60,6 +70,7 @@ class Search:
     max_density: float | None = None
     evaluations: int | None = None
     budget_steps: int | None = None
+    start_from: Pairs = None
     time_limit: str | None = None
 
     @property
@@ -104,11 +115,14 @@ class Final:
         Number of designs from the search that are trained anew.
     final_seeds
         Training seeds of each design. Fewer than five give no interval.
+    require_audit
+        A design that fails its audit (see `robomore audit`) cannot be champion.
     """
 
     final_steps: int | None = None
     finalists: int | None = None
     final_seeds: int | None = None
+    require_audit: Annotated[bool, Parameter(negative="")] = False
 
 
 @Parameter(name="*", group=Group("Machine", sort_key=7))
@@ -121,7 +135,17 @@ class Machine:
     workers
         Number of evaluations that run at the same time; by default one for each core.
     executor
-        Where evaluations run: in worker `processes`, or `inline` in this process.
+        Where evaluations run: in worker `processes`, `inline` in this process, or on a `ray`
+        cluster.
+    ray_address
+        The Ray cluster to use: `auto` for the one that this machine belongs to, or HOST:PORT.
+        Without it, one is started on this machine for this command.
+    cores
+        Processor cores that a Ray cluster reserves for each evaluation.
+    memory
+        Memory that a Ray cluster reserves for each evaluation: `1GiB`.
+    gpu_share
+        GPUs that a Ray cluster reserves for each evaluation, or a share of one: 0.25.
     containment
         `strict` refuses to start if this machine does not offer all sandbox layers for rewards,
         `relaxed` runs with the layers that are available.
@@ -131,6 +155,10 @@ class Machine:
 
     workers: int | None = None
     executor: str = "processes"
+    ray_address: str | None = None
+    cores: float | None = None
+    memory: str | None = None
+    gpu_share: float | None = None
     containment: Literal["strict", "relaxed"] | None = None
     out: Path | None = None
 
@@ -144,6 +172,38 @@ class Machine:
 
         positive(workers=self.workers)
         EXECUTORS.get(self.executor)
+        if self.executor == RAY:
+            self._resources()
+            return
+        for name in ("ray_address", "cores", "memory", "gpu_share"):
+            if getattr(self, name) is not None:
+                option = name.replace("_", "-")
+                raise InputError(
+                    f"--{option} is for a Ray cluster; add --executor ray, or leave it out"
+                )
+
+    @contextmanager
+    def opened(self) -> Iterator[str | Executor]:
+        """Join the cluster while the context lasts, or give the name of an executor.
+
+        Raises:
+            InputError: the cluster cannot be used.
+        """
+        if self.executor != RAY:
+            yield self.executor
+            return
+        from robomore.executors.ray import Ray
+
+        with closing(Ray(self.workers, self.ray_address, self._resources())) as executor:
+            yield executor
+
+    def _resources(self) -> Resources:
+        from robomore.executors.resources import Resources
+
+        given: dict[str, Any] = {"cores": self.cores, "gpu_share": self.gpu_share}
+        if self.memory is not None:
+            given["memory_bytes"] = read_bytes("memory", self.memory)
+        return Resources(**{name: value for name, value in given.items() if value is not None})
 
 
 def settings_of(search: Search, training: Training, final: Final) -> RunSettings:
@@ -171,6 +231,7 @@ def settings_of(search: Search, training: Training, final: Final) -> RunSettings
         final_steps=final.final_steps,
         finalists=final.finalists,
         final_seeds=final.final_seeds,
+        require_audit=final.require_audit or None,
         evaluations=search.evaluations,
         objective=search.objective,
         max_volume=search.max_volume,

@@ -30,7 +30,7 @@ def show(
     Parameters
     ----------
     run
-        A run's folder. The run may still go on.
+        A run's folder, where the run may still go on; or a gallery, or one champion in it.
     evaluation
         Key of one of the run's evaluations, or its beginning, instead of the champion.
     reference
@@ -39,8 +39,17 @@ def show(
         Print JSON: everything with every digit, each training seed too.
     """
     from robomore.report import as_data
+    from robomore.runs.gallery import is_entry
+    from robomore.store import RunFolder
 
-    chosen = _chosen(run, evaluation, reference)
+    if run.is_dir() and not RunFolder(run).manifest.is_file() and _holds_designs(run):
+        from robomore.cli.gallery import show_entry, show_gallery
+
+        if evaluation or reference:
+            raise InputError(f"{run} is no run; leave out --evaluation and --reference")
+        (show_entry if is_entry(run) else show_gallery)(run, as_json)
+        return
+    chosen = chosen_run(run, evaluation, reference)
     if as_json:
         write_json(as_data(chosen))
         return
@@ -85,7 +94,7 @@ def report(
         raise InputError("which run? name its folder: robomore report RUN")
     study = len(runs) == 1 and (runs[0] / "cells").is_dir()
     if len(runs) == 1 and not study:
-        write(f"{write_report(_chosen(runs[0], evaluation, reference), out, replays)}\n")
+        write(f"{write_report(chosen_run(runs[0], evaluation, reference), out, replays)}\n")
         return
     if evaluation or reference:
         raise InputError("--evaluation and --reference are of one run; name one folder")
@@ -108,7 +117,14 @@ def print_outcome(run: Run) -> None:
     )
 
 
-def _chosen(path: Path, evaluation: str | None, reference: bool) -> Run:
+def _holds_designs(path: Path) -> bool:
+    """Return whether a folder is a design's, or holds folders of designs."""
+    from robomore.runs.gallery import is_entry
+
+    return is_entry(path) or any(is_entry(one) for one in path.iterdir() if one.is_dir())
+
+
+def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
     """Return the run with what was asked for in the champion's place.
 
     Raises:
@@ -147,7 +163,7 @@ def _print_head(screen: Console, run: Run) -> None:
         first = champion.evaluations[0]
         screen.print(f"{champion.name}: {first.status}. {first.diagnosis}")
     elif run.headline is None:
-        screen.print(f"{champion.name}: {in_unit(score.mean, run.objective)}")
+        screen.print(f"{champion.name}: {in_unit(score.mean, run.objective, run.fitness_unit)}")
     else:
         ratio = with_interval(run.headline, digits=3)
         screen.print(
@@ -163,14 +179,16 @@ def _print_designs(screen: Console, run: Run) -> None:
     from rich.table import Table
 
     from robomore.runs.words import duration, number
+    from robomore.tasks.fitness import per_volume
 
     shown = [one for one in (run.champion, run.reference) if one]
     table = Table(box=None, pad_edge=False)
     table.add_column("")
     for one in shown:
         table.add_column(one.name, justify="right")
-    table.add_row("efficiency m/m³", *(_cell(one.efficiency) for one in shown))
-    table.add_row("fitness m", *(_cell(one.fitness) for one in shown))
+    unit = run.fitness_unit
+    table.add_row(f"efficiency {per_volume(unit)}", *(_cell(one.efficiency) for one in shown))
+    table.add_row(f"fitness {unit}".rstrip(), *(_cell(one.fitness) for one in shown))
     table.add_row("volume m³", *(number(one.volume) for one in shown))
     table.add_row("mass / volume kg/m³", *(number(one.body.get("density")) for one in shown))
     table.add_row("training seeds", *(str(len(one.evaluations)) for one in shown))
@@ -201,7 +219,7 @@ def _print_pairs(screen: Console, run: Run) -> None:
     if run.pairs is None:
         return
     table = Table(box=None, pad_edge=False)
-    table.add_column(f"final: {run.objective} {unit_of(run.objective)}".rstrip())
+    table.add_column(f"final: {run.objective} {unit_of(run.objective, run.fitness_unit)}".rstrip())
     for reward in run.pairs.rewards:
         table.add_column(reward, justify="right")
     for morphology, row in zip(run.pairs.morphologies, run.pairs.cells, strict=True):
@@ -215,10 +233,12 @@ def _print_lineage(screen: Console, run: Run) -> None:
     from rich.table import Table
 
     from robomore.runs.words import number
+    from robomore.tasks.fitness import per_volume
 
     table = Table(box=None, pad_edge=False)
     table.add_column("how the search got there")
-    for heading in ("efficiency m/m³", "fitness m", "volume m³"):
+    unit = run.fitness_unit
+    for heading in (f"efficiency {per_volume(unit)}", f"fitness {unit}".rstrip(), "volume m³"):
         table.add_column(heading, justify="right")
     for record in run.lineage:
         one = record.evaluation

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group, Parameter
 
+from robomore.cli.inputs import positive
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen
 from robomore.cli.output import console, tell, write
 from robomore.cli.run_options import Machine
@@ -28,6 +29,7 @@ def study(
     model: ModelOptions | None = None,
     replay: ReplayOptions | None = None,
     machine: Machine | None = None,
+    side_by_side: int | None = None,
     plan: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Run a study: several methods or settings on several tasks, with tables and figures.
@@ -49,6 +51,9 @@ def study(
         Only this arm of the study. May be given several times.
     designer
         Who proposes in the arms that ask a designer: `offline` (the default), `llm` or `replay`.
+    side_by_side
+        Runs at the same time, which fill each other's gaps; by default one, and on a Ray cluster
+        as many as it has workers. The numbers do not depend on it.
     plan
         List the runs and the most control steps that they take, and start nothing.
     """
@@ -67,6 +72,7 @@ def study(
     wanted = STUDIES.get(name)
     machine = machine or Machine()
     machine.check()
+    positive(side_by_side=side_by_side)
     size = scale(preset)
     cells = cells_of(wanted, tasks, size, size.seeds if seeds is None else seeds)
     if arm:
@@ -90,16 +96,20 @@ def study(
         tell(f"run {index + 1} of {len(cells)}: {cell.folder.name}\n")
         return lambda event: None
 
-    results = run_study(
-        wanted,
-        cells,
-        out,
-        designer=chosen(designer, model, replay),
-        executor=machine.executor,
-        workers=machine.workers,
-        containment=machine.containment,
-        tell=announce,
-    )
+    proposing = chosen(designer, model, replay)
+    with machine.opened() as executor:
+        at_once = 1 if isinstance(executor, str) else executor.workers
+        results = run_study(
+            wanted,
+            cells,
+            out,
+            designer=proposing,
+            executor=executor,
+            workers=machine.workers,
+            containment=machine.containment,
+            side_by_side=side_by_side or min(len(cells), at_once),
+            tell=announce,
+        )
     for table in wanted.tables(results):
         write(f"{table.markdown()}\n")
     write(f"tables and figures: {out}\n")

@@ -1,4 +1,4 @@
-"""`robomore compare` and `robomore export`: runs as tables."""
+"""`robomore compare`: runs side by side, and rows as files."""
 
 from __future__ import annotations
 
@@ -39,43 +39,13 @@ def compare(
     if as_json:
         write_json(comparison.rows())
     elif csv is not None:
-        _write_csv(comparison.rows(), csv)
+        write_rows(comparison.rows(), csv)
     else:
         _print(comparison.runs)
 
 
-def export(
-    run: Path,
-    /,
-    *,
-    csv: Annotated[Path | None, Parameter(allow_leading_hyphen=True)] = None,
-    parquet: Path | None = None,
-) -> None:
-    """Write every evaluation of a run as one table.
-
-    Parameters
-    ----------
-    run
-        A run's folder. The run may still go on.
-    csv
-        Write CSV into this file; `-` for the terminal.
-    parquet
-        Write Parquet into this file. This needs `pip install 'robomore[table]'`.
-    """
-    from robomore.runs import load_run
-    from robomore.runs.table import write_parquet
-
-    if (csv is None) == (parquet is None):
-        raise InputError("give one of --csv FILE and --parquet FILE")
-    rows = load_run(run).rows()
-    if csv is not None:
-        _write_csv(rows, csv)
-    elif parquet is not None:
-        write_parquet(rows, parquet)
-        write(f"{parquet}: {len(rows)} rows\n")
-
-
-def _write_csv(rows: list[Row], path: Path) -> None:
+def write_rows(rows: list[Row], path: Path) -> None:
+    """Write rows as CSV into a file, or to the terminal for `-`."""
     from robomore.runs.table import csv_text, write_csv
 
     if path == Path("-"):
@@ -105,7 +75,7 @@ def _print(runs: tuple[Run, ...]) -> None:
             manifest.task,
             manifest.settings.method.name,
             str(manifest.seed),
-            in_unit(score.mean, run.objective) if score else "-",
+            in_unit(score.mean, run.objective, run.fitness_unit) if score else "-",
             ratio if run.final else "not finished",
             f"{run.search_steps:,}",
             duration(run.cost.core_seconds),

@@ -125,7 +125,7 @@ def _unless_broken(told: Callable[[Task], T]) -> Callable[[Task], T | None]:
 
 @_unless_broken
 def _line(task: Task) -> str:
-    goal = "run far" if task.fitness == "distance" else "jump high"
+    goal = {"distance": "run far", "height": "jump high"}.get(task.goal.name, task.goal.name)
     volume = task.volume(task.reference)
     return f"{task.id:14} {len(task.parameters):10}  {volume:10.6f} m³  {goal}"
 
@@ -137,13 +137,16 @@ def _as_data(task: Task) -> dict[str, Any]:
         "version": task.version,
         "title": task.title,
         "description": task.description,
-        "fitness": task.fitness,
+        "fitness": task.goal.name,
+        "fitness_meaning": task.goal.meaning,
+        "fitness_unit": task.goal.unit,
         "volume": task.volume(task.reference),
         "parameters": [
             {
                 "name": parameter.name,
                 "low": parameter.low,
                 "high": parameter.high,
+                "search": parameter.search or (parameter.low, parameter.high),
                 "reference": parameter.reference,
                 "unit": parameter.unit,
                 "scale": parameter.scale,
@@ -152,6 +155,7 @@ def _as_data(task: Task) -> dict[str, Any]:
             for parameter in task.parameters
         ],
         "rules": [rule.text for rule in task.rules],
+        "search_rules": [rule.text for rule in task.search_rules],
         "reward": task.reward,
     }
 

@@ -12,10 +12,11 @@ from robomore.plain_files import PlainFolder
 from robomore.rendering.recording import Recording, record
 from robomore.runs import Run, TrainedDesign, load_run
 from robomore.runs.lineage import best_of
+from robomore.runs.loading import stored_task
 from robomore.runs.words import number
 from robomore.store import RunFolder
 from robomore.store.champion import check_sums
-from robomore.tasks import Task, get_task
+from robomore.tasks import Task
 from robomore.training.policy import POLICY, MLPPolicy
 
 
@@ -128,7 +129,7 @@ def _from_design(folder: Path) -> TrainedPolicy:
     file = folder / "design.json"
     text = read_text(file, "name a folder that `robomore run` wrote")
     try:
-        task = get_task(json.loads(text)["task"])
+        task = stored_task(PlainFolder(folder), json.loads(text)["task"])
     except (ValueError, KeyError, TypeError):
         raise InputError(f"{file} is damaged (it names no task); write it anew") from None
     parameters = read_parameters(task, str(file))
@@ -148,6 +149,6 @@ def _from_design(folder: Path) -> TrainedPolicy:
 def described(recording: Recording) -> str:
     """Return what happened in an episode, in words."""
     said = f"{number(recording.distance, 3)} m forward in {number(recording.seconds, 3)} s"
-    if recording.task.fitness == "height":
+    if recording.task.goal.motion == "upward":
         said = f"{number(recording.height, 3)} m high, {said}"
     return f"{recording.title}: {said}{', then it fell' if recording.fell else ''}"

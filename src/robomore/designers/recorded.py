@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from robomore.designers.designer import Designer
+from robomore.designers.hints import no_hint
 from robomore.errors import ProposalFailed, TimeLimitReached
 from robomore.events import Observer, Proposed, ignore
 from robomore.identity import content_key
@@ -31,6 +32,7 @@ class RecordedDesigner:
         ledger: Ledger,
         observe: Observer = ignore,
         time_is_up: Callable[[], bool] = lambda: False,
+        hint_for: Callable[[Slot], str] = no_hint,
     ) -> None:
         self.name = designer.name
         self.provenance = designer.provenance
@@ -39,40 +41,52 @@ class RecordedDesigner:
         self._ledger = ledger
         self._observe = observe
         self._time_is_up = time_is_up
+        self._hint_for = hint_for
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """See `Designer.propose_morphology`."""
         given = content_key([morphology.parameters for morphology in earlier])
-        return self._morphology(slot, given, self._designer.propose_morphology, earlier)
+        return self._morphology(slot, given, "propose_morphology", earlier)
 
     def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
         """See `Designer.propose_reward`."""
         given = content_key([reward.source for reward in earlier])
-        return self._reward(slot, given, self._designer.propose_reward, earlier)
+        return self._reward(slot, given, "propose_reward", earlier)
 
     def improve_morphology(
         self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]
     ) -> Morphology:
         """See `Designer.improve_morphology`."""
         given = content_key(best.key, [evaluation.key for evaluation in history])
-        return self._morphology(slot, given, self._designer.improve_morphology, best, history)
+        return self._morphology(slot, given, "improve_morphology", best, history)
 
     def improve_reward(self, slot: Slot, best: Evaluation, history: Sequence[Evaluation]) -> Reward:
         """See `Designer.improve_reward`."""
         given = content_key(best.key, [evaluation.key for evaluation in history])
-        return self._reward(slot, given, self._designer.improve_reward, best, history)
+        return self._reward(slot, given, "improve_reward", best, history)
 
-    def _morphology(
-        self, slot: Slot, given: str, ask: Callable[..., Morphology], *known: object
-    ) -> Morphology:
-        proposal = self._fill(slot, given, lambda slot: Proposal(slot, ask(slot, *known)))
+    def _morphology(self, slot: Slot, given: str, method: str, *known: object) -> Morphology:
+        def ask(slot: Slot) -> Proposal:
+            return Proposal(slot, getattr(self._told(slot), method)(slot, *known))
+
+        proposal = self._fill(slot, given, ask)
         assert proposal.morphology is not None
         return proposal.morphology
 
-    def _reward(self, slot: Slot, given: str, ask: Callable[..., Reward], *known: object) -> Reward:
-        proposal = self._fill(slot, given, lambda slot: Proposal(slot, reward=ask(slot, *known)))
+    def _reward(self, slot: Slot, given: str, method: str, *known: object) -> Reward:
+        def ask(slot: Slot) -> Proposal:
+            return Proposal(slot, reward=getattr(self._told(slot), method)(slot, *known))
+
+        proposal = self._fill(slot, given, ask)
         assert proposal.reward is not None
         return proposal.reward
+
+    def _told(self, slot: Slot) -> Designer:
+        """Return the designer with the person's remark for this slot, if it reads remarks."""
+        with_hint = getattr(self._designer, "with_hint", None)
+        hint = self._hint_for(slot) if with_hint else ""
+        told: Designer = with_hint(hint) if with_hint and hint else self._designer
+        return told
 
     def _fill(self, slot: Slot, given: str, ask: Callable[[Slot], Proposal]) -> Proposal:
         failure = ""

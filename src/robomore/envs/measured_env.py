@@ -1,4 +1,4 @@
-"""A `VectorEnv` that also measures how a robot moves, and why an episode ended early.
+"""A `VectorEnv` that also records how a robot moves, what that is worth, and why an episode ended.
 
 Only the trusted process measures with it. Training needs none of this, and does without its cost.
 """
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.gather import Gather
+from robomore.envs.recorder import Recorder
 from robomore.envs.robots.base import Array
 from robomore.envs.vector_env import VectorEnv
 from robomore.tasks.task import Task
@@ -40,6 +41,7 @@ class Motion:
         turn: how far the torso turned about the vertical axis between start and end, in rad, at
             most pi; `None` for a planar robot.
         fall: why the episode ended early, as a name of `FALLS`; empty if it did not.
+        fitness: what the episode is worth, as the task says.
     """
 
     energy: float
@@ -50,6 +52,7 @@ class Motion:
     drift: float | None
     turn: float | None
     fall: str
+    fitness: float
 
 
 FALLS = ("too_low", "too_high", "tilted", "diverged", "unhealthy")
@@ -76,15 +79,15 @@ class MeasuredEnv(VectorEnv):
         hinges = driven[model.jnt_type[driven] == mujoco.mjtJoint.mjJNT_HINGE]
         self._angles = model.jnt_qposadr[hinges]
         self._free = bool(model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
-        self._controlled = Gather([[one.ctrl] for one in self.data])
         self._saturated: Array = np.zeros(num_envs)
-        self._poses = np.zeros((num_envs, 2))  # y and yaw at the start
         self._on_ground = model.geom_bodyid == 0
         self._seeds = [0] * num_envs
         self._work: Array = np.zeros(num_envs)
-        self._energy = np.zeros(num_envs)
-        self._touched: list[int] = [0] * num_envs
-        self._history: list[list[Array]] = [[] for _ in range(num_envs)]
+        self._states: list[list[Array]] = [[] for _ in range(num_envs)]
+        self._energy: list[list[float]] = [[] for _ in range(num_envs)]
+        self._touched: list[list[bool]] = [[] for _ in range(num_envs)]
+        self._recorder = Recorder(self.environment)
+        self._goal = task.goal
 
     def reset_one(self, index: int, seed: int) -> Array:
         """Start an episode; see `VectorEnv.reset_one`."""
@@ -94,67 +97,77 @@ class MeasuredEnv(VectorEnv):
     def _simulate(self) -> None:
         motors = self.action_size
         self._work[:] = 0.0
-        self._controlled.read()
-        at_limit = np.abs(self._controlled.values) >= _AT_LIMIT
+        at_limit = np.abs(self._actions) >= _AT_LIMIT
         self._saturated += at_limit.sum(axis=1) / max(1, motors)
         # MuJoCo steps as often as in one call; between the steps, the power is read.
         for _ in range(self._frame_skip):
             for data in self.data:
                 mujoco.mj_step(self.model, data)
             self._power.read()
+            self._note_substep()
             force, velocity = self._power.values[:, :motors], self._power.values[:, motors:]
             self._work += np.abs(force * velocity).sum(axis=1)
         self._work *= self.model.opt.timestep
 
+    def _note_substep(self) -> None:
+        """Look at `data` after each of MuJoCo's own steps; an audit does."""
+
     def _settle_diverged(self) -> bool:
         diverged = super()._settle_diverged()
         # A step whose physics diverged moves nothing, so it costs nothing either.
-        self._energy += np.where(self.diverged, 0.0, self._work)
+        work = np.where(self.diverged, 0.0, self._work).tolist()
         for index, data in enumerate(self.data):
-            self._touched[index] += bool(self._on_ground[data.contact.geom].any())
-            self._history[index].append(self.qpos[index, self._angles])
+            self._energy[index].append(work[index])
+            self._touched[index].append(bool(self._on_ground[data.contact.geom].any()))
+            self._states[index].append(self.physics_state[index].copy())
         return diverged
 
     def _begin(self, index: int) -> None:
         super()._begin(index)
-        self._energy[index] = 0.0
-        self._touched[index] = 0
+        self._states[index] = [self.physics_state[index].copy()]
+        self._energy[index], self._touched[index] = [], []
         self._saturated[index] = 0.0
-        if self._free:
-            self._poses[index] = self._pose(index)
-        self._history[index] = []
 
     def _end(self, ended: NDArray[np.intp], final: Array) -> None:
         for index in ended.tolist():
-            angles = np.array(self._history[index])
-            frequency, amplitude = stride(angles, self._dt)
-            drift = turn = None
-            if self._free:
-                y, yaw = self._pose(index)
-                drift = abs(y - self._poses[index, 0])
-                turn = angle_between(yaw, self._poses[index, 1])
-            self.motions[self._seeds[index]] = Motion(
-                energy=float(self._energy[index]),
-                ground_contact=self._touched[index] / len(angles),
-                stride_frequency=frequency,
-                joint_amplitude=amplitude,
-                saturation=float(self._saturated[index] / len(angles)),
-                drift=drift,
-                turn=turn,
-                fall=self._fall(index),
-            )
+            # An environment without work goes on idly, with a seed that was measured before.
+            if self._seeds[index] not in self.motions:
+                self.motions[self._seeds[index]] = self._motion(index)
         super()._end(ended, final)
 
-    def _pose(self, index: int) -> tuple[float, float]:
-        """Return y in m and yaw in rad of a robot with a free joint."""
-        _, y, _, a, b, c, d = self.qpos[index, :7].tolist()
-        return y, math.atan2(2 * (a * d + b * c), a * a + b * b - c * c - d * d)
+    def _motion(self, index: int) -> Motion:
+        trajectory = self._recorder.trajectory(
+            np.array(self._states[index]),
+            np.array(self._energy[index]),
+            np.array(self._touched[index], dtype=np.bool_),
+            step_seconds=self._dt,
+            full_steps=self._steps,
+            fall=self._fall(index),
+        )
+        frequency, amplitude = stride(
+            np.ascontiguousarray(trajectory.qpos[1:, self._angles]), self._dt
+        )
+        drift = turn = None
+        if self._free:
+            drift = abs(float(trajectory.position[-1, 1] - trajectory.position[0, 1]))
+            turn = angle_between(_yaw(trajectory.qpos[-1]), _yaw(trajectory.qpos[0]))
+        return Motion(
+            energy=trajectory.total_energy,
+            ground_contact=float(trajectory.contact.mean()),
+            stride_frequency=frequency,
+            joint_amplitude=amplitude,
+            saturation=float(self._saturated[index] / trajectory.steps),
+            drift=drift,
+            turn=turn,
+            fall=trajectory.fall,
+            fitness=self._goal(trajectory),
+        )
 
     def _fall(self, index: int) -> str:
         """Return why the episode ended early, or an empty text."""
         if self.diverged[index]:
             return "diverged"
-        if self.healthy[index] or not self._terminates:
+        if self.healthy[index] or not self.terminates:
             return ""
         low, high = getattr(self.environment, "_healthy_z_range", (-math.inf, math.inf))
         height = self.qpos[index, 2 if self._free else 1]
@@ -165,6 +178,12 @@ class MeasuredEnv(VectorEnv):
         low, high = getattr(self.environment, "_healthy_angle_range", (-math.inf, math.inf))
         tilted = not self._free and not low < self.qpos[index, 2] < high
         return "tilted" if tilted else "unhealthy"
+
+
+def _yaw(qpos: Array) -> float:
+    """Return the yaw in rad of a robot with a free joint."""
+    a, b, c, d = qpos[3:7].tolist()
+    return math.atan2(2 * (a * d + b * c), a * a + b * b - c * c - d * d)
 
 
 def angle_between(one: float, other: float) -> float:

@@ -19,6 +19,7 @@ import numpy as np
 
 from robomore.envs.reward_objects import BASES, NATIVE, FixedObjects, at, class_attributes
 from robomore.envs.reward_program import RewardInstance
+from robomore.envs.reward_state import NANS
 
 _NATIVE = {kind.__name__: kind for kind in NATIVE}
 _CONSTANTS = {"Ellipsis": ..., "NotImplemented": NotImplemented}
@@ -134,6 +135,10 @@ class _Reader:
                 *memory, writeable = content
                 made[place] = array = _array(memory)
                 array.flags.writeable = writeable
+            case "nan":
+                module, scalar, *memory = content
+                found = _array(memory)[()]
+                made[place] = NANS[module] if module else found if scalar else found.item()
             case "view":
                 made[place] = self._view(*content)
             case "cell":

@@ -74,7 +74,9 @@ class RewardRunner:
         self._health: list[Any] = [True] * count
         robot, self._health_type = _robot_class(environment, self._health, self._steps)
         inherited = {name: protect(value) for name, value in vars(environment).items()}
-        inherited |= dict.fromkeys(("mujoco_renderer", "_reward"))  # they can be changed
+        inherited |= dict.fromkeys(
+            ("mujoco_renderer", "_reward", "_control_map")
+        )  # they can be changed
         inherited["model"] = ReadOnly(environment.model, constant=True)
         inherited["metadata"] = protect(environment.metadata)
         self._fresh = [

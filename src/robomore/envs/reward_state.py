@@ -11,6 +11,7 @@ import base64
 import enum
 import functools
 import json
+import math
 import types
 from collections import defaultdict, deque
 from collections.abc import Mapping
@@ -37,6 +38,10 @@ _PLAIN_INT = 2**53
 _DEEPEST = 100
 """Objects inside each other; far from what the interpreter can follow when they are read again."""
 _GENERATORS = ("PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64")
+
+
+NANS = {"math": math.nan, "numpy": np.nan}
+"""The one that a module calls `nan`."""
 
 
 class UnsavedStateError(TypeError):
@@ -141,7 +146,8 @@ class _Writer:
         kind = type(value)
         if kind is int and abs(value) >= _PLAIN_INT:
             return ["int", hex(value)]
-        if kind in ATOMS:
+        # One NaN equals itself in a list, and differs from every other: it is an object of its own.
+        if kind in ATOMS and not _is_nan(value):
             return value
         place = self._fixed.place(value)
         if place is not None:
@@ -150,6 +156,8 @@ class _Writer:
             return ["known", self._known[id(value)]]
         if id(value) in self._written:
             return ["node", self._written[id(value)]]
+        if _is_nan(value):
+            return self._node(value)
         if isinstance(value, np.generic):
             array = np.asarray(value)
             return ["scalar", *_memory(array)]
@@ -184,6 +192,9 @@ class _Writer:
 
     def _content(self, value: Any) -> list[Any]:
         kind, write = type(value), self.value
+        if _is_nan(value):
+            module = next((name for name, one in NANS.items() if one is value), "")
+            return ["nan", module, isinstance(value, np.generic), *_memory(np.asarray(value))]
         if kind is np.ndarray:
             return self._array(value)
         if kind is types.CellType:
@@ -262,6 +273,12 @@ class _Writer:
         if name not in _GENERATORS:
             raise TypeError(f"it holds a random generator of another kind ({name})")
         return ["generator", name, self.value(dict(value.bit_generator.state))]
+
+
+def _is_nan(value: Any) -> bool:
+    # Not of a class of the reward, whose comparison would run.
+    number = type(value) in (float, complex) or isinstance(value, np.inexact)
+    return number and bool(value != value)
 
 
 def _start(array: np.ndarray[Any, Any]) -> int:

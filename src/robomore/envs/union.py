@@ -10,20 +10,17 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import mujoco
-import numpy as np
 
 from robomore.envs.compile import Parameters, compile_model
+from robomore.envs.solids import geom_solid, placed
 from robomore.tasks.task import Task
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-FACETS = 64
-"""Edges around each round part."""
-
 
 def union_volume(task: Task, parameters: Parameters) -> float | None:
-    """Return the volume of all parts in the initial pose without what neighbours share, in m^3.
+    """Return the volume of all parts in the initial pose without what neighbours share, in m³.
 
     Neighbours are parts of one rigid piece and pieces that a joint connects. Parts that merely pass
     through each other, as Walker's two legs do in their plane, are built twice and count twice.
@@ -46,8 +43,8 @@ def union_volume(task: Task, parameters: Parameters) -> float | None:
         body = int(model.geom_bodyid[geom])
         if body == 0:
             continue
-        place = np.c_[data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]]
-        solids.append(_solid(model, geom).transform(place))
+        solid = geom_solid(model, geom)
+        solids.append(placed(solid, data.geom_xmat[geom], data.geom_xpos[geom]))
         # Bodies without a joint between them are one rigid piece.
         piece = int(model.body_weldid[body])
         pieces[piece] = pieces[piece] + solids[-1] if piece in pieces else solids[-1]
@@ -57,13 +54,3 @@ def union_volume(task: Task, parameters: Parameters) -> float | None:
         filled += (solid - pieces[parent] if parent in pieces else solid).volume()
     # Facets cut a little off every part, off the union as off the sum; the ratio is free of it.
     return float(filled / sum(solid.volume() for solid in solids) * task.volume(parameters))
-
-
-def _solid(model: mujoco.MjModel, geom: int) -> Manifold:
-    from manifold3d import Manifold
-
-    radius, half = model.geom_size[geom, :2]
-    ball = Manifold.sphere(radius, FACETS)
-    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
-        return ball
-    return Manifold.batch_hull([ball.translate([0, 0, z]) for z in (-half, half)])

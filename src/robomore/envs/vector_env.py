@@ -60,6 +60,7 @@ class VectorEnv:
         healthy: (num_envs,) bool after the last step.
         diverged: (num_envs,) bool, the physics diverged in the last step.
         divergences: how often it did in all.
+        terminates: whether an unhealthy robot ends its episode.
     """
 
     def __init__(
@@ -100,14 +101,17 @@ class VectorEnv:
         if episode_seconds is not None:
             self._steps = min(self._steps, max(1, round(episode_seconds / self._dt)))
         self._auto_reset = auto_reset
-        self._terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
+        self.terminates = bool(getattr(self.environment, "_terminate_when_unhealthy", False))
         self._falls = self.environment.judges_health()
 
         self.data = [mujoco.MjData(self.model) for _ in range(num_envs)]
         self._generators = [np.random.Generator(np.random.PCG64(0)) for _ in range(num_envs)]
         self._controls = Scatter([one.ctrl for one in self.data])
-        self._forces_observed = self.environment.observes_forces
-        self._requested = [self._forces_observed, False]  # which of `REQUESTS` each step is to do
+        self._control_map = self.environment.control_map()
+        self._requested = [
+            self.environment.observes_forces,
+            False,
+        ]  # which of `REQUESTS` each step is to do
         nq, nv = self.model.nq, self.model.nv
         self._rows = Gather(
             [
@@ -116,12 +120,14 @@ class VectorEnv:
                 for place in [self.environment.position_view(one)]
             ]
         )
-        self._forces = Gather([[one.cfrc_ext.ravel()] for one in self.data])
+        views = [self.environment.observed_views(one) for one in self.data]
+        self._observed = Gather(views) if views[0] else None
         self.physics_state: Array = self._rows.values[:, : nq + nv]
         self.qpos = self.physics_state[:, :nq]
         self._position: Array = self._rows.values[:, -1 if self._rows.width > nq + nv else 0]
-        self._cfrc_ext: Array = self._forces.values.reshape(num_envs, -1, 6)
+        self._more: Array = self._observed.values if self._observed else np.empty((num_envs, 0))
 
+        self._actions: Array = np.zeros((num_envs, self.action_size))
         self.observation: Array = np.zeros((num_envs, self.observation_size))
         self.healthy = np.ones(num_envs, np.bool_)
         self._now = 0  # control steps so far
@@ -192,7 +198,8 @@ class VectorEnv:
                 f"actions have the shape {applied.shape}, not {(self.num_envs, self.action_size)}"
             )
         before = self._position.copy()
-        self._controls.write(applied)
+        self._actions = applied
+        self._controls.write(self._control_map.controls(applied))
         self._simulate()
         for compute, requested in zip(REQUESTS, self._requested, strict=True):
             if requested:
@@ -201,10 +208,10 @@ class VectorEnv:
         self._gather()
         diverged = self._settle_diverged()
 
-        final = self.environment.batch_observation(self.physics_state, self._cfrc_ext)
+        final = self.environment.batch_observation(self.physics_state, self._more)
         if self._falls:
             self.healthy = self.environment.batch_healthy(self.physics_state)
-        terminated = ~self.healthy if self._terminates else np.zeros(self.num_envs, np.bool_)
+        terminated = ~self.healthy if self.terminates else np.zeros(self.num_envs, np.bool_)
         if diverged:
             terminated |= self.diverged
         if self._runner is None:
@@ -217,7 +224,7 @@ class VectorEnv:
         self._now += 1
         self._left -= 1
         truncated, ended = np.zeros(self.num_envs, np.bool_), terminated
-        may_end = self._terminates or diverged
+        may_end = self.terminates or diverged
         if self._left <= 0:
             truncated = self.elapsed >= self._steps
             ended = terminated | truncated
@@ -299,8 +306,8 @@ class VectorEnv:
 
     def _gather(self) -> None:
         self._rows.read()
-        if self._forces_observed:
-            self._forces.read()
+        if self._observed:
+            self._observed.read()
 
     def _request(self, place: int) -> None:
         """Call a function of `REQUESTS` now and after every step from now on."""
@@ -354,7 +361,8 @@ class VectorEnv:
                 if requested:
                     compute(self.model, data)
             self._rows.read_one(index)
-            self._forces.read_one(index)
+            if self._observed:
+                self._observed.read_one(index)
         return bool(self.diverged.any())
 
 

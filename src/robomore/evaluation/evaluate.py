@@ -13,11 +13,16 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-import msgspec
-
 from robomore.envs.compile import body_facts
+from robomore.envs.try_out import try_out
 from robomore.envs.vector_env import VectorEnv
-from robomore.errors import InvalidMorphology, TrainingDiverged, UnstableSimulation
+from robomore.errors import (
+    FitnessFailed,
+    InvalidMorphology,
+    TrainingDiverged,
+    UnfitWorker,
+    UnstableSimulation,
+)
 from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import choose, measure
 from robomore.evaluation.request import Answer, Request, believed
@@ -25,8 +30,9 @@ from robomore.evaluation.train import POLICIES
 from robomore.plain_files import PlainFolder
 from robomore.rewards.check import check_reward
 from robomore.sandbox.call import Containment, run_sandboxed
-from robomore.tasks import TASKS, Task
+from robomore.tasks import Task
 from robomore.tasks.fingerprint import task_key
+from robomore.tasks.registry import carried_task
 from robomore.text import one_line, to_json
 from robomore.training.checkpoint import drop_older
 from robomore.training.compilation import CACHE_VARIABLE
@@ -36,18 +42,15 @@ from robomore.training.warm import Shape
 from robomore.types import Evaluation, Job, Status
 
 
-def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
-    """Do an encoded `Request`; returns an encoded `Answer`. What executors call."""
-    request = msgspec.json.decode(payload, type=Request)
-    return to_json(evaluate(request, progress))
-
-
 def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     """Return what training the request's design gives. Never raises for a bad design.
 
     Args:
         request: the job and its folders.
         progress: told the control steps of training done.
+
+    Raises:
+        UnfitWorker: the task is another one on this machine.
     """
     began = time.process_time()
     job, key = request.job, request.key
@@ -58,13 +61,17 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     try:
         above.remove(scratch.name)
         above.make(scratch.name)
-        evaluation, policy = _evaluate(request, _task(job), scratch, progress)
+        evaluation, policy = _evaluate(request, _task(request), scratch, progress)
     except InvalidMorphology as error:
         evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
     except UnstableSimulation as error:
         evaluation = Evaluation(key, job, Status.UNSTABLE, str(error))
+    except FitnessFailed as error:
+        evaluation = Evaluation(key, job, Status.FAILED, str(error))
     except TrainingDiverged as error:
         evaluation = Evaluation(key, job, Status.TRAINING_DIVERGED, str(error))
+    except UnfitWorker:
+        raise
     except Exception:  # noqa: BLE001  # a fault of ours costs one candidate and keeps its traceback
         evaluation = Evaluation(key, job, Status.FAILED, traceback.format_exc())
     finally:
@@ -75,11 +82,12 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
     return Answer(evaluation, policy.to_bytes() if policy else b"")
 
 
-def _task(job: Job) -> Task:
+def _task(request: Request) -> Task:
     """Return the job's task, unless this worker knows another one of that name."""
-    task = TASKS.get(job.task)
+    job = request.job
+    task = carried_task(job.task, request.task)
     if task_key(task) != job.task_key:
-        raise RuntimeError(
+        raise UnfitWorker(
             f"this worker knows the task {job.task} with another content than the run does: "
             "its package was edited, or is of another version here; start the run anew"
         )
@@ -98,6 +106,7 @@ def _evaluate(
         said = "; ".join(f"line {fault.line}: {fault.message}" for fault in faults)
         return Evaluation(key, job, Status.INVALID_REWARD, said, body=body), None
 
+    try_out(task, parameters)
     containment = Containment(request.containment)
     robot = VectorEnv(task, parameters, 1)
     shape = Shape(job.trainer, robot.observation_size, robot.action_size)

@@ -6,18 +6,29 @@ import logging
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from robomore.errors import NoWorker, RunFolderError, TimeLimitReached
+from robomore.evaluation.encoded import Encoded
 from robomore.evaluation.request import Request, checked_answer
 from robomore.events import BatchBegan, Finished, Observer, Progressed, Started, ignore
-from robomore.executors.executor import Executor, Failed, Outcome, Progress, never
+from robomore.executors.executor import (
+    Carry,
+    Done,
+    Executor,
+    Failed,
+    Outcome,
+    Progress,
+    RemoteExecutor,
+    never,
+)
 from robomore.identity import content_key, derive_seed, job_key, training_key
 from robomore.settings import Budget
 from robomore.store.ledger import Ledger
 from robomore.store.rundir import RunFolder
 from robomore.tasks.fingerprint import task_key
+from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
-from robomore.text import to_json
 from robomore.training.policy import POLICY, MLPPolicy
 from robomore.training.tuned import resolve
 from robomore.types import (
@@ -32,7 +43,7 @@ from robomore.types import (
     Trial,
 )
 
-_WORK = "robomore.evaluation.evaluate:work"
+_WORK = "robomore.evaluation.work:work"
 _GRACE_SECONDS = 300.0
 """What a worker may need beside training: compiling, measuring, writing."""
 _TRIES = 2
@@ -77,6 +88,8 @@ class Evaluator:
     observe: Observer = field(default=ignore)
     time_is_up: Callable[[], bool] = field(default=never)
     refusal: Callable[[Morphology], str] = field(default=no_refusal)
+    _left: dict[str, Any] = field(default_factory=dict)
+    """Checkpoints that lie on other machines, by name, see `RemoteExecutor`."""
 
     def measure(
         self,
@@ -146,8 +159,8 @@ class Evaluator:
                 if again.episode_fitness != before.episode_fitness:
                     raise RunFolderError(
                         f"{self.folder.artifacts / before.artifact} has no policy that can be "
-                        f"read, and training it again gave a fitness of {again.fitness} m in the "
-                        f"place of {before.fitness} m; restore it from a copy"
+                        f"read, and training it again gave a fitness of {again.fitness} in the "
+                        f"place of {before.fitness}; restore it from a copy"
                     )
                 self._keep_policy(again, policy)
 
@@ -189,6 +202,7 @@ class Evaluator:
                 job, place = missing[evaluation.key]
                 if not leave_checkpoints:
                     self._discard(self._checkpoint(job))
+                    self._left.pop(self._name(job), None)
                 done[evaluation.key] = evaluation
                 self.observe(Finished(evaluation, place, known=False))
         return done
@@ -198,16 +212,22 @@ class Evaluator:
     ) -> Generator[tuple[Evaluation, bytes]]:
         """Yield evaluation and policy of each job as it is done. Nothing is written down."""
         keys = list(jobs)
-        payloads = [
-            to_json(self._request(key, job, leave_checkpoints)) for key, job in jobs.items()
-        ]
         wall_seconds = max((job.limits.wall_seconds for job in jobs.values()), default=0.0)
         timeout = wall_seconds + _GRACE_SECONDS
+        if isinstance(self.executor, RemoteExecutor):
+            carry = {key: self._carry(job, leave_checkpoints) for key, job in jobs.items()}
+            payloads = Encoded(jobs, lambda key, job: self._remote_request(key, job, carry[key]))
+            outcomes = self.executor.map_remote(
+                _WORK, payloads, progress, timeout, self.time_is_up, list(carry.values())
+            )
+        else:
+            payloads = Encoded(jobs, lambda key, job: self._request(key, job, leave_checkpoints))
+            outcomes = self.executor.map(_WORK, payloads, progress, timeout, self.time_is_up)
         # Closed at once on Ctrl-C, so that no worker outlives its run.
-        with closing(
-            self.executor.map(_WORK, payloads, progress, timeout, self.time_is_up)
-        ) as outcomes:
+        with closing(outcomes):
             for index, outcome in outcomes:
+                if isinstance(outcome, Done) and outcome.left is not None:
+                    self._left[self._name(jobs[keys[index]])] = outcome.left
                 yield _answer(keys[index], jobs[keys[index]], outcome)
 
     def _keep_policy(self, evaluation: Evaluation, policy: bytes) -> Evaluation:
@@ -235,14 +255,37 @@ class Evaluator:
             scratch=str(self.folder.scratch / key),
             checkpoint=str(self.folder.path / checkpoint) if continues else "",
             containment=self.containment,
+            task=task_content(self.task),
         )
+
+    def _remote_request(self, key: str, job: Job, carry: Carry | None) -> Request:
+        """Return a request for a worker that may share no disk with this process."""
+        return Request(
+            job=job,
+            key=key,
+            scratch="",
+            checkpoint=carry.name if carry else "",
+            containment=self.containment,
+            versions=self.versions,
+        )
+
+    def _carry(self, job: Job, leave: bool) -> Carry | None:
+        name = self._name(job)
+        if not leave and name not in self._left:
+            return None
+        return Carry(name, self._left.get(name), leave)
+
+    def _name(self, job: Job) -> str:
+        return training_key(job, self.versions)
 
     def _checkpoint(self, job: Job) -> str:
         """Return where in the run's folder a training rests between two shares of its steps."""
-        return f"{self.folder.checkpoints.name}/{training_key(job, self.versions)}"
+        return f"{self.folder.checkpoints.name}/{self._name(job)}"
 
     def _drop_checkpoints(self, but: Sequence[Job]) -> None:
         wanted = {self._checkpoint(job) for job in but}
+        names = {self._name(job) for job in but}
+        self._left = {name: left for name, left in self._left.items() if name in names}
         folder = self.folder.checkpoints.name
         for name in self.folder.files.names(folder):
             if f"{folder}/{name}" not in wanted:

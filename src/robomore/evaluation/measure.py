@@ -16,7 +16,7 @@ from robomore.errors import TrainingDiverged, UnstableSimulation
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
 from robomore.training.policy import MLPPolicy
-from robomore.training.rollout import rollout
+from robomore.training.rollout import Policy, rollout
 
 _CHOICE_EPISODES = 3
 """Episodes in which policies are compared before the best is measured on others."""
@@ -30,8 +30,8 @@ class Measurement:
     """The numbers of an evaluation that come from episodes.
 
     Attributes:
-        fitness: mean over episodes, in m.
-        episode_fitness: of each episode, in m.
+        fitness: mean over episodes, in the unit of the task's fitness.
+        episode_fitness: of each episode.
         behaviour: how the robot moved, averaged over episodes, units in the names.
     """
 
@@ -88,12 +88,22 @@ def measure(
     Raises:
         TrainingDiverged: an action is not a finite number, which finite weights can give too.
         UnstableSimulation: the physics diverged over and over, or a measure of it is not finite.
+        FitnessFailed: the task's fitness raised, or gave no finite number.
     """
     env = MeasuredEnv(task, parameters, min(episodes, _SIDE_BY_SIDE))
     seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
-    run = rollout(_Finite(policy.weights, policy.biases), env, seeds)
-    worth = run.distance if task.fitness == "distance" else run.highest
+    return measure_in(env, task, FinitePolicy(policy.weights, policy.biases), seeds)
+
+
+def measure_in(env: MeasuredEnv, task: Task, policy: Policy, seeds: Sequence[int]) -> Measurement:
+    """Return what `policy` is worth in `env`, in one episode for each of `seeds`.
+
+    Raises:
+        UnstableSimulation: see `measure`.
+    """
+    run = rollout(policy, env, seeds)
     motions = [env.motions[seed] for seed in seeds]
+    worth = np.array([one.fitness for one in motions])
     step_seconds = float(env.environment.dt)
     measurement = Measurement(
         fitness=float(worth.mean()),
@@ -138,7 +148,7 @@ def _falls(motions: Sequence[Motion]) -> dict[str, float]:
     return {f"fell_{name}_share": n / len(motions) for name, n in counts.items() if n}
 
 
-class _Finite(MLPPolicy):
+class FinitePolicy(MLPPolicy):
     """A policy that raises where an action is no finite number."""
 
     def act(self, observations: NDArray[np.floating[Any]]) -> NDArray[np.float32]:

@@ -20,9 +20,13 @@ class Request:
     Attributes:
         job: what to do.
         key: of the evaluation.
-        scratch: folder that training may write to, made and emptied by the worker.
-        checkpoint: folder to continue from and to leave a checkpoint in; empty for none.
+        scratch: folder that training may write to, made and emptied by the worker. Empty for a
+            worker that may share no disk with whoever asks: it makes one on its own disk.
+        checkpoint: folder to continue from and to leave a checkpoint in; empty for none. Without a
+            shared disk it is the name of a carried folder (`robomore.executors.carried`).
         containment: `strict` refuses to run without the operating system's layers.
+        versions: of packages, that the worker must have too; empty for a worker on this machine.
+        task: content of the job's task, if it comes from a file (`robomore.tasks.portable`).
     """
 
     job: Job
@@ -30,6 +34,8 @@ class Request:
     scratch: str
     checkpoint: str = ""
     containment: str = "strict"
+    versions: dict[str, str] = field(default_factory=dict)
+    task: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)

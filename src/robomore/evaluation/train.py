@@ -11,7 +11,7 @@ from robomore.envs.vector_env import VectorEnv
 from robomore.evaluation.request import Request, Training
 from robomore.rewards.continuation import check_continuation
 from robomore.rewards.load import load_reward
-from robomore.tasks import get_task
+from robomore.tasks.registry import carried_task
 from robomore.text import to_json
 from robomore.training.settings import make_trainer, settings_from
 
@@ -35,7 +35,8 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
     """
     request = msgspec.json.decode(payload, type=Request)
     job = request.job
-    task, parameters = get_task(job.task), job.design.morphology.parameters
+    task = carried_task(job.task, request.task)
+    parameters = job.design.morphology.parameters
     settings = settings_from(job.trainer)
     reward = load_reward(job.design.reward.source)
     check_continuation(task, parameters, reward)

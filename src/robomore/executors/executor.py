@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol, runtime_checkable
 
 JobFunction = Callable[[bytes, Callable[[int], None]], bytes]
 """The function of a job. It takes a payload and a function that reports progress (units done), and
@@ -14,9 +14,16 @@ returns a reply. If it raises, the job has failed."""
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """The function returned `reply`."""
+    """The function returned `reply`.
+
+    Attributes:
+        reply: what it returned.
+        left: stands for the folder that the job left behind on the machine that it ran on, see
+            `RemoteExecutor`. `None` where nothing was left.
+    """
 
     reply: bytes
+    left: Any = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,13 +52,12 @@ def never() -> bool:
 
 
 class Executor(Protocol):
-    """Runs jobs.
+    """Runs jobs."""
 
-    Attributes:
-        workers: how many jobs run at once.
-    """
-
-    workers: int
+    @property
+    def workers(self) -> int:
+        """How many jobs run at once."""
+        ...
 
     def map(
         self,
@@ -76,6 +82,46 @@ class Executor(Protocol):
 
     def close(self) -> None:
         """Stop all workers at once, also those that are running a job. May be called again."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Carry:
+    """A folder that a job continues from, and that a later job may continue from.
+
+    Attributes:
+        name: of the folder, one component of a path (`robomore.executors.carried`).
+        left: what an earlier job left there, as its outcome said; `None` for an empty folder.
+        leave: whether this job's folder is kept for a later job.
+    """
+
+    name: str
+    left: Any = None
+    leave: bool = True
+
+
+@runtime_checkable
+class RemoteExecutor(Executor, Protocol):
+    """An executor whose jobs may run on machines that share no disk with this one.
+
+    A path of this machine means nothing to its jobs. What a job needs comes with its payload, and
+    the folder that it continues from is carried to where it runs. If that folder is lost, with its
+    machine for example, the job finds an empty one.
+    """
+
+    def map_remote(
+        self,
+        function: str,
+        payloads: Sequence[bytes],
+        progress: Progress,
+        timeout: float,
+        should_stop: Callable[[], bool] = never,
+        carry: Sequence[Carry | None] = (),
+    ) -> Generator[tuple[int, Outcome]]:
+        """Do what `map` does, with a carried folder for each job or none at all.
+
+        Several threads may iterate at once; they share the workers.
+        """
         ...
 
 

@@ -21,6 +21,7 @@ EXECUTORS: Registry[Factory] = Registry(
     {
         "processes": "robomore.executors.processes:Processes",
         "inline": "robomore.executors.inline:Inline",
+        "ray": "robomore.executors.ray:Ray",
     },
     _fault,
 )

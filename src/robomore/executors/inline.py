@@ -6,6 +6,7 @@ import traceback
 from collections.abc import Callable, Generator, Sequence
 from functools import partial
 
+from robomore.errors import UnfitWorker
 from robomore.executors.executor import Done, Failed, Outcome, Progress, load_function, never
 
 
@@ -32,6 +33,8 @@ class Inline:
             progress(index, 0)
             try:
                 outcome: Outcome = Done(work(payload, partial(progress, index)))
+            except UnfitWorker as error:
+                outcome = Failed(str(error), unstarted=True)
             except Exception:  # noqa: BLE001  # the job's error is its outcome
                 outcome = Failed(traceback.format_exc())
             yield index, outcome

@@ -13,6 +13,7 @@ import traceback
 
 import msgspec
 
+from robomore.errors import UnfitWorker
 from robomore.executors.executor import load_function
 from robomore.text import to_json
 
@@ -42,7 +43,13 @@ class Raised(msgspec.Struct, tag="raised", frozen=True):
     traceback: str
 
 
-Reply = Progressed | Replied | Raised
+class Unfit(msgspec.Struct, tag="unfit", frozen=True):
+    """From the worker: this machine cannot do the job (`robomore.errors.UnfitWorker`)."""
+
+    reason: str
+
+
+Reply = Progressed | Replied | Raised | Unfit
 
 
 def main() -> None:
@@ -62,6 +69,8 @@ def main() -> None:
             reply = load_function(call.function)(
                 call.payload, lambda units: send(Progressed(units))
             )
+        except UnfitWorker as error:
+            send(Unfit(str(error)))
         except Exception:  # noqa: BLE001  # the whole traceback goes to the parent
             send(Raised(traceback.format_exc()))
         else:

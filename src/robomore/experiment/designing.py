@@ -39,6 +39,7 @@ class ChosenDesigner:
         make: makes it, once the run's folder is there.
         settings: what decides its proposals, as plain data.
         parallel: proposals that may be asked for at once.
+        reads_hints: whether it reads a person's remarks.
     """
 
     name: str
@@ -46,6 +47,7 @@ class ChosenDesigner:
     make: Callable[[RunFolder, ExitStack], Designer]
     settings: dict[str, Any] = field(default_factory=dict)
     parallel: int = 1
+    reads_hints: bool = False
 
 
 def choose_designer(
@@ -73,7 +75,10 @@ def choose_designer(
     """
     if isinstance(designer, str):
         made = make_designer(designer, task, seed, objective)
-        return ChosenDesigner(designer, made.provenance, lambda folder, stack: made)
+        reads = hasattr(made, "with_hint")
+        return ChosenDesigner(
+            designer, made.provenance, lambda folder, stack: made, reads_hints=reads
+        )
     model = _recorded(designer) if isinstance(designer, Replay) else designer
     # Before anything is written, refuse a limit that cannot be kept.
     BudgetedClient(model.model, MemoryLog(), model.budget)
@@ -99,9 +104,14 @@ def choose_designer(
     if isinstance(designer, Replay):
         identity = {**model.identity, "replayed": designer.by}
         said = f"{provenance}, as recorded in {designer.run}."
-        return ChosenDesigner(Replay.name, said, make, identity)
+        return ChosenDesigner(Replay.name, said, make, identity, reads_hints=True)
     return ChosenDesigner(
-        LanguageModel.name, f"{provenance}.", make, model.identity, model.parallel
+        LanguageModel.name,
+        f"{provenance}.",
+        make,
+        model.identity,
+        model.parallel,
+        reads_hints=True,
     )
 
 

@@ -15,6 +15,7 @@ from robomore.identity import job_key
 from robomore.settings import Budget, RunSettings, preset
 from robomore.store import package_versions
 from robomore.tasks import Task, get_task
+from robomore.tasks.portable import task_content
 from robomore.training.policy import POLICY
 from robomore.training.settings import ensure_trainer, packages_for
 from robomore.types import Design, Evaluation, Morphology, Reward
@@ -70,6 +71,7 @@ def evaluate(
             scratch=str(Path(scratch) / "scratch"),
             checkpoint=str(checkpoint or ""),
             containment=mode,
+            task=task_content(task),
         )
         answered = answer(request, progress)
     if artifact is not None and answered.policy:

@@ -32,16 +32,16 @@ def limited(task: Task, settings: RunSettings) -> Task:
     if (most := settings.max_volume) is not None:
         rules.append(
             Rule(
-                f"the volume of all parts together must be at most {most:g} m^3",
-                _above(lambda values: _volume(task, values), most, "volume", "m^3"),
+                f"the volume of all parts together must be at most {most:g} m³",
+                _above(lambda values: _volume(task, values), most, "volume", "m³"),
             )
         )
     if (most := settings.max_density) is not None:
         density = _density(task)
         rules.append(
             Rule(
-                f"the mass divided by the volume must be at most {most:g} kg/m^3",
-                _above(density, most, "density", "kg/m^3"),
+                f"the mass divided by the volume must be at most {most:g} kg/m³",
+                _above(density, most, "density", "kg/m³"),
             )
         )
     if not rules:
@@ -77,11 +77,11 @@ def _above(
 
 
 def _volume(task: Task, values: Values) -> float:
-    return sum(shape.volume for shape in task.shapes(values))
+    return sum(shape.volume for shape in task.solids(values))
 
 
 def _density(task: Task) -> Callable[[Values], float | None]:
-    """Return a function from values to the density in kg/m^3, as cheap as the robot allows.
+    """Return a function from values to the density in kg/m³, as cheap as the robot allows.
 
     Most robots have one density, or one mass. Where probes show that, nothing is compiled later.
     """

@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import os
 import time
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, ExitStack, closing, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from robomore.designers import LanguageModel, Replay
 from robomore.designers.absent import NoDesigner
+from robomore.designers.hints import Hints, no_hint
 from robomore.designers.recorded import RecordedDesigner
+from robomore.designers.started import StartedDesigner
 from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitReached
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, ignore, one_at_a_time
-from robomore.executors import EXECUTORS, thread_map
+from robomore.executors import EXECUTORS, Executor, thread_map
+from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
+from robomore.experiment.starting import Given, checked_starts
 from robomore.experiment.training_facts import training_facts
 from robomore.monitor.progress import ProgressFile
 from robomore.plan import Plan
@@ -27,13 +32,15 @@ from robomore.runs import Run, load_run
 from robomore.search import Final, SearchContext, SearchMethod, final, make_method
 from robomore.search.budget import BudgetedEvaluate, BudgetSpent
 from robomore.search.final import stage as final_stage
+from robomore.search.starts import usable
 from robomore.settings import RunSettings, preset
 from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package_versions
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
+from robomore.tasks.portable import task_content
 from robomore.training.settings import ensure_trainer, packages_for
-from robomore.types import Design, Evaluation, Morphology, Reward
+from robomore.types import Design, Evaluation, Morphology, Reward, Start
 
 
 def run(
@@ -42,7 +49,7 @@ def run(
     *,
     designer: str | LanguageModel | Replay | None = None,
     seed: int = 0,
-    executor: str = "processes",
+    executor: str | Executor = "processes",
     workers: int | None = None,
     out: str | Path | None = None,
     budget_steps: int | None = None,
@@ -50,6 +57,8 @@ def run(
     containment: str | None = None,
     observe: Observer = ignore,
     name: str = "",
+    start_from: Sequence[Given] = (),
+    hint: str = "",
 ) -> Run:
     """Search for the best morphology and reward; the same call again finishes what is missing.
 
@@ -60,8 +69,11 @@ def run(
         designer: who proposes: a name, a language model, or what one said in another run; by
             default the offline designer, if the method asks one at all.
         seed: same seed, same result, whatever the number of workers.
-        executor: where evaluations run: `processes`, or `inline` in this process.
-        workers: evaluations side by side, one a core by default.
+        executor: where evaluations run: `processes`, `inline` in this process, or `ray` on this
+            machine; or an executor of your own making, which is left open
+            (`robomore.executors.ray.Ray` for a cluster).
+        workers: evaluations side by side, one a core by default. An executor of your own making
+            knows its own number.
         out: the run's folder; by default `runs/TASK-SETTINGS-DESIGNER-sSEED`.
         budget_steps: control steps of training that the search may use; the final comes on top.
             The same call with a larger budget goes on.
@@ -72,6 +84,10 @@ def run(
             rewards of our own (no language model) where it is not possible.
         observe: told what goes on.
         name: of the settings in the manifest; by default the preset's, or `custom`.
+        start_from: morphologies, rewards, designs, or runs whose champion is meant. They take the
+            first places of the search, and are part of its identity.
+        hint: your remark for a designer that reads one. More can be written into `hint.txt` in the
+            run's folder while the run goes on. The ledger keeps which proposal had which remark.
 
     Raises:
         InputError: something asked for cannot be done; nothing was started.
@@ -83,21 +99,26 @@ def run(
     task = get_task(task) if isinstance(task, str) else task
     observe = one_at_a_time(observe)
     name = name or (settings if isinstance(settings, str) else "custom")
-    workers = workers or available_cores()
     settings = preset(settings) if isinstance(settings, str) else settings
     method = make_method(settings.method)
-    make_executor = EXECUTORS.get(executor)
+    make_executor = _executor(executor, workers)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     _refuse_useless(task, settings, method, designer, seed, budget_steps, time_limit)
     # Search and designer know the limits as rules; a worker knows the task as it is.
     searched = limited(task, settings)
+    starts = checked_starts(searched, start_from)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
-    mode, layers = choose_containment(containment, ours=designer in (None, "offline"))
+    proposed = [one.reward.source for one in starts if one.reward]
+    given = [settings.method.options.get("reward"), *proposed]
+    ours = designer in (None, "offline") and all(one in (None, task.reward) for one in given)
+    mode, layers = choose_containment(containment, ours=ours)
     chosen = _no_designer(method)
     if method.needs_designer:
-        asked = designer or "offline"
+        proposing = designer or "offline"
         facts = training_facts(settings, task)
-        chosen = choose_designer(asked, searched, seed, settings.objective, mode, observe, facts)
+        chosen = choose_designer(
+            proposing, searched, seed, settings.objective, mode, observe, facts
+        )
     context = SearchContext(
         task=searched,
         reference=Design(
@@ -110,16 +131,27 @@ def run(
         seed=seed,
         map_fn=thread_map(chosen.parallel),
     )
+    if hint.strip() and not chosen.reads_hints:
+        raise InputError(
+            f"{chosen.name or 'this method'} reads no remarks; leave the hint out, or choose a "
+            "language model (--model)"
+        )
+    first_morphologies, first_rewards = usable(
+        starts, getattr(method, "starts_from", ()), method.plan(context), settings.method.name
+    )
+    if not method.needs_designer:
+        context = replace(context, starts=first_morphologies)
     plan = Plan((*method.plan(context).stages, final_stage(settings.final)))
     manifest = Manifest(
         task=task.id,
         task_parts=fingerprint(task),
         preset=name,
         designer=chosen.name,
-        provenance=chosen.provenance,
+        provenance=_provenance(chosen, starts),
         seed=seed,
         settings=settings,
         plan=plan,
+        starts=starts,
         designer_settings=chosen.settings,
         versions=package_versions(*packages_for(settings.trainer)),
     )
@@ -134,7 +166,10 @@ def run(
         progress = ProgressFile(folder.progress, observe)
         stack.callback(progress.close)
         observe = one_at_a_time(progress)
+        if content := task_content(task):
+            folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
+        doing = stack.enter_context(make_executor())
         observe(
             RunBegan(
                 task=task.id,
@@ -142,13 +177,14 @@ def run(
                 settings=settings,
                 plan=plan,
                 designer=chosen.name,
-                provenance=chosen.provenance,
+                provenance=manifest.provenance,
                 seed=seed,
-                workers=workers,
+                workers=doing.workers,
                 folder=out,
                 containment=layers,
                 budget_steps=budget_steps,
                 time_limit=time_limit,
+                fitness_unit=task.goal.unit,
             )
         )
         evaluator = Evaluator(
@@ -158,13 +194,17 @@ def run(
             versions=manifest.versions,
             ledger=ledger,
             folder=folder,
-            executor=stack.enter_context(closing(make_executor(workers))),
+            executor=doing,
             containment=mode,
             observe=observe,
             time_is_up=time_is_up,
             refusal=partial(refusal, searched),
         )
-        recorded = RecordedDesigner(chosen.make(folder, stack), ledger, observe, time_is_up)
+        asked = chosen.make(folder, stack)
+        if starts:
+            asked = StartedDesigner(asked, first_morphologies, first_rewards)
+        hint_for = Hints(hint, folder, ledger).of if chosen.reads_hints else no_hint
+        recorded = RecordedDesigner(asked, ledger, observe, time_is_up, hint_for)
         context = replace(context, observe=ledger.noting(observe))
         try:
             best = _search(method, recorded, evaluator, context, budget_steps)
@@ -175,6 +215,9 @@ def run(
                 settings.final.seeds,
                 settings.objective,
                 lambda morphology: not refusal(searched, morphology),
+                partial(doubt, evaluator, task, settings.objective)
+                if settings.final.require_audit
+                else no_doubt,
             )
             evaluator.restore_policies(outcome.champion)
             save_champion(folder, task, outcome.champion, settings.objective)
@@ -189,6 +232,20 @@ def run(
             ledger.add_event("time-limit", seconds=time_limit)
         write_report(out)
     return load_run(out)
+
+
+def _executor(
+    asked: str | Executor, workers: int | None
+) -> Callable[[], AbstractContextManager[Executor]]:
+    """Return what makes the executor, or hands on the one that was given.
+
+    Raises:
+        InputError: no executor has that name.
+    """
+    if not isinstance(asked, str):
+        return lambda: nullcontext(asked)
+    make = EXECUTORS.get(asked)
+    return lambda: closing(make(workers or available_cores()))
 
 
 def _search(
@@ -221,7 +278,11 @@ def _note_final(ledger: Ledger, outcome: Final) -> None:
         name: [evaluation.key for evaluation in getattr(outcome, name)]
         for name in ("champion", "found", "reference", "morphology_only", "reward_only")
     }
-    ledger.add_event("finished", **groups)
+    passed_over = [
+        {"keys": [evaluation.key for evaluation in group], "reason": reason}
+        for group, reason in outcome.passed_over
+    ]
+    ledger.add_event("finished", **groups, **({"passed_over": passed_over} if passed_over else {}))
 
 
 def _refuse_useless(
@@ -238,10 +299,16 @@ def _refuse_useless(
     Raises:
         InputError: naming the value, the range and the remedy.
     """
-    if settings.objective == "transport-economy" and task.fitness != "distance":
+    goal = task.goal
+    if settings.objective == "transport-economy" and goal.motion != "forward":
         raise InputError(
-            f"{task.id} is about a {task.fitness} and transports nothing; choose --objective "
-            "fitness or efficiency"
+            f"{task.id} is about {goal.name} and transports nothing; choose --objective fitness or "
+            "efficiency"
+        )
+    if settings.objective == "efficiency" and goal.may_be_negative:
+        raise InputError(
+            f"the fitness of {task.id} ({goal.name}) may be below 0, and divided by the volume it "
+            "would then reward material; choose --objective fitness"
         )
     if designer is not None and not method.needs_designer:
         raise InputError(
@@ -262,6 +329,12 @@ def _no_designer(method: SearchMethod) -> ChosenDesigner:
     return ChosenDesigner(
         "", method.provenance, lambda folder, stack: NoDesigner(method.provenance)
     )
+
+
+def _provenance(chosen: ChosenDesigner, starts: Sequence[Start]) -> str:
+    """Return in plain sentences what made the proposals, and what they started from."""
+    origins = ", ".join(start.origin for start in starts)
+    return f"{chosen.provenance} It started from {origins}." if starts else chosen.provenance
 
 
 def default_folder(task: str, name: str, designer: str, seed: int) -> Path:

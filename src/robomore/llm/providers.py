@@ -49,14 +49,14 @@ def connect(
 
         client = make_client(retry_policy.timeout)
         if base_url is not None:
-            name, library = f"compatible:{model}", _compatible(model, base_url, client)
+            library = _compatible(model, base_url, client)
         else:
-            name, library = model, _known(model, client)
+            library = _known(model, client)
     except ImportError as error:
         raise InputError(_missing(error)) from None
     if price is None and _is_local(base_url or (_ollama() if model.startswith("ollama:") else "")):
         price = (0.0, 0.0)
-    return PydanticAIModel(name, library, price, retry_policy)
+    return PydanticAIModel(model, library, price, retry_policy)
 
 
 def _compatible(model: str, base_url: str, client: Any) -> Any:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter, deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from statistics import fmean
 from typing import Protocol
@@ -86,7 +86,7 @@ class Work:
 def seconds_left(
     run: RunBegan,
     work: Work,
-    waiting: Sequence[Place],
+    waiting: Mapping[int, int],
     running: Sequence[Training],
     leaders: Sequence[Evaluation],
     now: float,
@@ -97,7 +97,8 @@ def seconds_left(
     Args:
         run: what was asked for, its plan and limits among it.
         work: what was done of it.
-        waiting: places of the current batch that no worker has taken up.
+        waiting: how many evaluations of the current batch no worker has taken up, by the control
+            steps that their training rests at.
         running: what the workers are busy with.
         leaders: the best of the search so far, as many as will be finalists.
         now: on the clock by which `running` began.
@@ -108,9 +109,10 @@ def seconds_left(
         return None
     target = work.target or run.settings.candidate.steps
     under_way = [float(one.total - one.steps) for one in running]
-    queued = [float(max(0, target - work.trained.get(place, 0))) for place in waiting]
+    queued = {float(max(0, target - rests)): count for rests, count in waiting.items()}
+    all_queued = sum(length * count for length, count in queued.items())
     left = makespan(under_way, queued, run.workers)
-    left += _after_this_batch(run, work, sum(under_way) + sum(queued), leaders)
+    left += _after_this_batch(run, work, sum(under_way) + all_queued, leaders)
     seconds = pace * left
     if run.time_limit is not None:
         # What is under way when the time is up is still waited for.
@@ -119,20 +121,28 @@ def seconds_left(
     return seconds
 
 
-def makespan(running: Iterable[float], waiting: Iterable[float], workers: int) -> float:
+def makespan(running: Iterable[float], waiting: Mapping[float, int], workers: int) -> float:
     """Return when the last of some trainings ends, if the first free worker takes the next one.
 
     Args:
         running: what is left of those under way.
-        waiting: lengths of the others, in their order.
+        waiting: how many others there are of each length.
         workers: that there are.
     """
     busy = list(running)
     busy += [0.0] * (workers - len(busy))
     heapq.heapify(busy)
-    for length in waiting:
-        heapq.heapreplace(busy, busy[0] + length)
+    for length, count in waiting.items():
+        # Once workers are level, each takes one in every round. Rounds need not be played.
+        rounds = max(0, count // len(busy) - _PLAYED)
+        for _ in range(count - rounds * len(busy)):
+            heapq.heapreplace(busy, busy[0] + length)
+        busy = [end + rounds * length for end in busy]
     return max(busy)
+
+
+_PLAYED = 4
+"""Rounds of the workers after which they count as level."""
 
 
 def _after_this_batch(

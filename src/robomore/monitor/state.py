@@ -56,8 +56,10 @@ class RunState:
         clock: seconds that only grow.
         run: what was asked for, once it began.
         stage: name of the current batch's stage; empty before the first batch.
-        asked: evaluations of the current batch.
-        open: places of the current batch that are not measured yet.
+        batch: evaluations of the current batch.
+        before: evaluations of earlier batches of the same stage.
+        open: places of the current batch that are not measured yet, each with the control steps
+            that its training rests at.
         running: evaluations under way, by key.
         counts: finished evaluations by status, those known from before among them.
         known: finished evaluations that were known from before.
@@ -72,8 +74,9 @@ class RunState:
     clock: Callable[[], float] = time.monotonic
     run: RunBegan | None = None
     stage: str = ""
-    asked: int = 0
-    open: list[Place] = field(default_factory=list)
+    batch: int = 0
+    before: int = 0
+    open: dict[Place, int] = field(default_factory=dict)
     running: dict[str, Running] = field(default_factory=dict)
     counts: Counter[Status] = field(default_factory=Counter)
     known: int = 0
@@ -84,6 +87,10 @@ class RunState:
     began: float = 0.0
     _taken_up: int = 0
     _work: Work = field(default_factory=Work)
+    _waiting: Counter[int] = field(default_factory=Counter)
+    """Places of the current batch that no worker has taken up, by the steps that they rest at. A
+    batch may have any number of them, and they are looked at several times a second."""
+    _started: set[Place] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self.began = self.clock()
@@ -105,6 +112,7 @@ class RunState:
                 self.running[key] = Running(place, steps, before, before, now, timed_from, before)
                 self._taken_up += 1
                 self._work.target = steps
+                self._start(place)
             case Progressed(key, steps) if key in self.running:
                 one = self.running[key]
                 one.steps = max(steps, one.before)
@@ -120,8 +128,14 @@ class RunState:
 
     @property
     def done(self) -> int:
-        """Evaluations of the current batch that are measured."""
-        return self.asked - len(self.open)
+        """Evaluations of the current stage that are measured."""
+        return self.before + self.batch - len(self.open)
+
+    @property
+    def asked(self) -> int:
+        """Evaluations of the current stage: the most that it may have, as far as is known."""
+        planned = self.run.plan.stage(self.stage).evaluations if self.run else 0
+        return max(self.before + self.batch, planned if self._in_batches(self.stage) else 0)
 
     @property
     def failed(self) -> int:
@@ -152,28 +166,42 @@ class RunState:
         if self.run is None:
             return None
         running = list(self.running.values())
-        busy = {one.place for one in running}
-        waiting = [place for place in self.open if place not in busy]
         leaders = [evaluation for evaluation, _ in self.leaders]
         return seconds_left(
-            self.run, self._work, waiting, running, leaders, self.clock(), self.elapsed
+            self.run, self._work, self._waiting, running, leaders, self.clock(), self.elapsed
         )
 
     def _stage(self, place: Place) -> Stage:
         return self.run.plan.stage(place.stage) if self.run else Stage(name=place.stage)
 
+    def _in_batches(self, name: str) -> bool:
+        """Return whether a stage searches in several batches, each with new designs."""
+        stage = self.run.plan.stage(name) if self.run else Stage(name=name)
+        return stage.role == "search" and stage.batches > 1
+
     def _batch_began(self, places: tuple[Place, ...]) -> None:
-        self.stage = places[0].stage if places else self.stage
-        self.asked, self.open = len(places), list(places)
+        before, stage = self.before + self.batch, self.stage
+        self.stage = places[0].stage if places else stage
+        self.before = before if self.stage == stage and self._in_batches(stage) else 0
+        trained = self._work.trained
+        self.open = {place: trained.get(place, 0) for place in places}
+        self.batch = len(self.open)
+        self._waiting = Counter(self.open.values())
+        self._started.clear()
         self.running.clear()
         if places and self.run:
             self._work.begin(self.run.plan, self._stage(places[0]))
 
+    def _start(self, place: Place) -> None:
+        if place in self.open and place not in self._started:
+            self._started.add(place)
+            self._waiting[self.open[place]] -= 1
+
     def _finished(self, evaluation: Evaluation, place: Place, known: bool) -> None:
         self.counts[evaluation.status] += 1
         self.known += known
-        if place in self.open:
-            self.open.remove(place)
+        self._start(place)
+        self.open.pop(place, None)
         running = self.running.pop(evaluation.key, None)
         self._work.finish(place, evaluation.job.steps, self._timed(running, evaluation))
         if not evaluation.ok:

@@ -11,16 +11,16 @@ import numpy as np
 from robomore.envs.compile import compile_model
 from robomore.rendering.drawing import draw, view_of
 from robomore.rendering.video import HEIGHT, WIDTH
-from robomore.tasks import get_task
+from robomore.tasks.registry import carried_task
 
 _SIZES_AWAY = 2.6
 
 
 def render(task_id: str, request: Path, answer: Path) -> None:
     """Write raw RGB frames of the poses in `request` to `answer`."""
-    task = get_task(task_id)
     with np.load(request, allow_pickle=False) as arrays:
         poses, parameters = arrays["poses"], arrays["parameters"].tolist()
+        task = carried_task(task_id, arrays["task"].tobytes())
     model = compile_model(task, parameters)
     model.vis.global_.offwidth = max(WIDTH, model.vis.global_.offwidth)
     model.vis.global_.offheight = max(HEIGHT, model.vis.global_.offheight)

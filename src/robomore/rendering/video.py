@@ -28,6 +28,7 @@ from robomore.rendering.drawing import (
 )
 from robomore.rendering.pictures import Frame, image
 from robomore.rendering.recording import Recording
+from robomore.tasks.portable import task_content
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -186,7 +187,8 @@ def _rendered(
     It runs in a process of its own: a broken driver ends a process, and cannot be asked before.
     """
     request, answer = scratch / "poses.npz", scratch / "frames.raw"
-    np.savez(request, poses=poses, parameters=np.array(recording.parameters))
+    task = np.frombuffer(task_content(recording.task), np.uint8)
+    np.savez(request, poses=poses, parameters=np.array(recording.parameters), task=task)
     given = os.environ.get("MUJOCO_GL")
     platforms = ("egl", "osmesa") if sys.platform.startswith("linux") else ("",)
     for platform in (given,) if given else platforms:

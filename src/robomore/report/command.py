@@ -28,11 +28,15 @@ def command_line(manifest: Manifest) -> str | None:
     words = ["robomore", "run", manifest.task, "--preset", preset]
     words += ["--designer", manifest.designer] if manifest.designer else []
     words += [*model, "--seed", str(manifest.seed)]
+    for start in manifest.starts:
+        words += ["--start-from", start.origin]
     for option, value in options.items():
         if isinstance(value, dict):
             flag = f"--{option.removesuffix('s').replace('_', '-')}"
             for name, chosen in value.items():
                 words += [flag, f"{name}={_plain(chosen)}"]
+        elif value is True:
+            words.append(f"--{option.replace('_', '-')}")
         else:
             words += [f"--{option.replace('_', '-')}", str(value)]
     return shlex.join(words)

@@ -76,11 +76,13 @@ def render_comparison(runs: Sequence[Run]) -> str:
     groups = _groups(runs)
     packs, moving = _episodes(groups)
     tasks = list(dict.fromkeys(group.task for group in groups))
+    units = {run.fitness_unit for run in runs}
     page = (
         templates()
         .get_template("comparison.html")
         .render(
             runs=runs,
+            unit=units.pop() if len(units) == 1 else "",
             groups=groups,
             rows=_rows(groups),
             lines=Comparison(tuple(runs)).rows(),
@@ -117,11 +119,9 @@ def _rows(groups: Sequence[Group]) -> list[dict[str, Any]]:
         {
             "group": group,
             "runs": len(group.runs),
-            "found": _over(
-                group, lambda run: run.found.score(run.objective) if run.found else None
-            ),
+            "found": _over(group, _found),
             "ratio": _over(group, lambda run: run.ratio),
-            "fitness": _over(group, lambda run: run.champion and run.champion.fitness),
+            "fitness": _over(group, lambda run: run.champion.fitness if run.champion else None),
             "volume": _mean([run.champion.volume for run in group.runs if run.champion]),
             "steps": _mean([float(run.search_steps) for run in group.runs]),
             "seconds": _mean([run.cost.core_seconds for run in group.runs]),
@@ -133,6 +133,10 @@ def _rows(groups: Sequence[Group]) -> list[dict[str, Any]]:
 def _over(group: Group, get: Callable[[Run], Spread | None]) -> Spread | None:
     means = [one.mean for run in group.runs if (one := get(run)) is not None]
     return spread(means) if means else None
+
+
+def _found(run: Run) -> Spread | None:
+    return run.found.score(run.objective) if run.found else None
 
 
 def _mean(values: Sequence[float]) -> float | None:
@@ -154,8 +158,15 @@ def _curves(groups: Sequence[Group]) -> str:
     ends = [steps for _, line in lines for steps, *_ in line]
     x = axis_around([0.0, *ends], LEFT, WIDTH - RIGHT)
     y = axis_around(every if positive else [*every, 0.0], _HEIGHT - BOTTOM, TOP, log=positive)
-    objective = groups[0].runs[0].objective
-    parts = [axes(x, y, "control steps of training in the search", label(objective))]
+    first = groups[0].runs[0]
+    parts = [
+        axes(
+            x,
+            y,
+            "control steps of training in the search",
+            label(first.objective, first.fitness_unit),
+        )
+    ]
     for group, line in lines:
         upper = "L".join(f"{x.at(s):.1f} {y.at(high):.1f}" for s, _, _, high in line)
         lower = "L".join(f"{x.at(s):.1f} {y.at(low):.1f}" for s, low, _, _ in reversed(line))

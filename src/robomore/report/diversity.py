@@ -101,7 +101,8 @@ def _map(
     order = sorted(range(len(shown)), key=scores.__getitem__)
     for i in order:
         evaluation = shown[i].evaluation
-        said = f"{run.plan.describe(shown[i].place)}: {in_unit(scores[i], run.objective)}"
+        worth = in_unit(scores[i], run.objective, run.fitness_unit)
+        said = f"{run.plan.describe(shown[i].place)}: {worth}"
         at = x.at(float(flat[i, 0])), y.at(float(flat[i, 1]))
         fill, _ = colours(share(scores[i], *ends))
         mark = element("circle", cx=at[0], cy=at[1], r=5, fill=fill, klass="spot")

@@ -6,7 +6,7 @@ import math
 
 from robomore.report.svg import element, figure, text, tip
 from robomore.runs.grid import Cell, Grid
-from robomore.runs.words import EFFICIENCY_UNIT, number, unit_of
+from robomore.runs.words import equation, in_unit, number, unit_of
 
 _ANCHORS = ((38, 30, 74), (49, 94, 140), (41, 150, 130), (145, 196, 76), (252, 226, 92))
 """Dark to bright in even steps of lightness, so that it reads without colour too."""
@@ -14,7 +14,7 @@ _LEFT, _TOP, _LEGEND = 36.0, 42.0, 54.0
 _CELL_HEIGHT = 26.0
 
 
-def heatmap(grid: Grid, objective: str) -> str:
+def heatmap(grid: Grid, objective: str, unit: str) -> str:
     """Return the grid; a failed cell is crossed out and says why when it is pointed at or tapped.
 
     A cell that is chosen opens its design.
@@ -24,6 +24,7 @@ def heatmap(grid: Grid, objective: str) -> str:
     Args:
         grid: of a run.
         objective: what is shown, `efficiency` or `fitness`.
+        unit: of the task's fitness.
     """
     rows, columns = grid.shape
     scores = [c.evaluation.score(objective) for c in grid.cells.values() if c.evaluation]
@@ -45,11 +46,11 @@ def heatmap(grid: Grid, objective: str) -> str:
             cell = grid.cells[row, column]
             x, y = _LEFT + column * width, _TOP + row * _CELL_HEIGHT
             name = f"morphology {row + 1} x reward {column + 1}"
-            shown = _cell(cell, name, objective, (low, high), (x, y, width))
+            shown = _cell(cell, name, objective, unit, (low, high), (x, y, width))
             parts.append(element("g", shown, klass="cut") if cell.cut else shown)
     bottom = _TOP + rows * _CELL_HEIGHT
     if positive:
-        parts.append(_legend(low, high, bottom + 18, objective))
+        parts.append(_legend(low, high, bottom + 18, unit_of(objective, unit)))
     whole = max(_LEFT + columns * width, 300.0)
     return figure(whole, bottom + _LEGEND, f"{objective} in the stage {grid.stage.name}", parts)
 
@@ -58,6 +59,7 @@ def _cell(
     cell: Cell,
     name: str,
     objective: str,
+    unit: str,
     ends: tuple[float, float],
     box: tuple[float, float, float],
 ) -> str:
@@ -77,9 +79,9 @@ def _cell(
         shown = _box(x, y, width, klass="cell-failed")
         return element("g", tip(said, shown + mark, evaluation.key), klass="failed")
     said = (
-        f"{name}: {number(evaluation.efficiency)} {EFFICIENCY_UNIT} = "
-        f"{number(evaluation.fitness)} m / {number(evaluation.volume)} m³ "
-        f"after {evaluation.job.steps:,} steps{', cut by screening' if cell.cut else ''}. "
+        f"{name}: {in_unit(evaluation.efficiency, 'efficiency', unit)} = "
+        f"{equation(evaluation, unit)} after {evaluation.job.steps:,} "
+        f"steps{', cut by screening' if cell.cut else ''}. "
         f"{evaluation.design.morphology.idea} / {evaluation.design.reward.idea}"
     )
     fill, ink = colours(share(score, *ends))
@@ -116,14 +118,13 @@ def colours(share: float) -> tuple[str, str]:
     return "#" + "".join(f"{c:02x}" for c in mixed), "#10101c" if bright > 120 else "#ffffff"
 
 
-def _legend(low: float, high: float, y: float, objective: str) -> str:
+def _legend(low: float, high: float, y: float, unit: str) -> str:
     steps, width = 24, 180.0
     boxes = [
         element("rect", x=_LEFT + i * width / steps, y=y, width=width / steps + 0.5, height=8,
                 fill=colours(i / (steps - 1))[0])
         for i in range(steps)
     ]  # fmt: skip
-    unit = unit_of(objective)
     ends = text(number(low, 3), _LEFT, y + 22, klass="tick")
     ends += text(
         f"{number(high, 3)} {unit}", _LEFT + width, y + 22, text_anchor="end", klass="tick"

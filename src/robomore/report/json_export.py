@@ -32,6 +32,12 @@ def as_data(run: Run) -> dict[str, Any]:
             }
             for stage in run.plan.stages
         ],
+        "fitness": {
+            "name": run.task.goal.name,
+            "unit": run.fitness_unit,
+            "unit_per_volume": run.task.goal.per_volume,
+        },
+        "starts": [start.origin for start in run.manifest.starts],
         "final": run.final,
         "champion_role": run.champion_role,
         "champion": _group(run.champion),
@@ -65,6 +71,7 @@ def as_data(run: Run) -> dict[str, Any]:
             for failure in run.failures
         ],
         "empty_slots": [{"slot": str(one.slot), "reason": one.reason} for one in run.empty],
+        "passed_over": list(run.passed_over),
         "warnings": list(run.warnings),
         "task_changes": list(run.task_changes),
         "versions": manifest.versions,

@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from robomore.errors import InvalidMorphology
 from robomore.plain_files import cannot_write, write_plain
+from robomore.report.audit_words import in_sum
 from robomore.report.command import command_line
 from robomore.report.comparison_plot import parameter_rows, seed_dots
 from robomore.report.diversity import diversity
@@ -31,8 +32,19 @@ from robomore.report.scripts import policy, style, with_scripts
 from robomore.report.sharing import share_image
 from robomore.report.source import highlighted
 from robomore.runs import Run, load_run
+from robomore.runs.audits import audit_of
 from robomore.runs.grid import grids
-from robomore.runs.words import duration, label, measured, number, short, unit_of, with_interval
+from robomore.runs.words import (
+    duration,
+    equation,
+    in_unit,
+    label,
+    measured,
+    number,
+    short,
+    unit_of,
+    with_interval,
+)
 from robomore.store import RunFolder
 from robomore.text import sanitize
 from robomore.types import Place
@@ -92,6 +104,7 @@ def render(run: Run, replays: int = MOST) -> str:
 
 def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
     """Return the page without scripts."""
+    unit = run.fitness_unit
     # A search that was measured under its own names: dots of these stages are told apart.
     searched = {record.place.stage for record in (*run.searched, *run.cut)}
     scenes = _scenes(run)
@@ -101,6 +114,7 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
         for one, said in ((run.champion, name), (run.reference, "reference design"))
         if one and one.trained
     ]
+    audit = audit_of(run)
     # The reference may be the champion.
     stage = [(key, said) for key, said in dict(stage).items() if key in packs]
     return (
@@ -112,9 +126,11 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             task=run.task,
             champion=run.champion,
             reference=run.reference,
-            unit=unit_of(run.objective),
+            unit=unit_of(run.objective, unit),
             stage=stage,
-            grids=[(grid.stage.name, heatmap(grid, run.objective)) for grid in grids(run)],
+            audit=audit,
+            audited=in_sum(audit, unit) if audit else (),
+            grids=[(grid.stage.name, heatmap(grid, run.objective, unit)) for grid in grids(run)],
             stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
             best_so_far=best_so_far(run),
             fitness_over_volume=fitness_over_volume(run),
@@ -145,7 +161,9 @@ def templates() -> Environment:
         "number": number,
         "short": short,
         "duration": duration,
-        "label": label,
+        "label": _labelled,
+        "equation": equation,
+        "in_unit": in_unit,
         "measured": measured,
         "place": _described,
         "with_interval": with_interval,
@@ -154,6 +172,13 @@ def templates() -> Environment:
         "zip": zip,
     }
     return environment
+
+
+@pass_context
+def _labelled(context: Context, name: str) -> str:
+    """Return what a number of the run that is shown is called."""
+    run: Run = context["run"]
+    return label(name, run.fitness_unit)
 
 
 @pass_context

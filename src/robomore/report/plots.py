@@ -9,7 +9,7 @@ from robomore.report.svg import Axis, axes, axis_around, element, figure, text, 
 from robomore.runs import Run
 from robomore.runs.lineage import Record
 from robomore.runs.progress import progress
-from robomore.runs.words import EFFICIENCY_UNIT, in_unit, label, number, short
+from robomore.runs.words import equation, in_unit, label, number, short
 
 WIDTH, HEIGHT = 400.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 12.0, 28.0, 42.0
@@ -39,7 +39,11 @@ def best_so_far(run: Run) -> str:
     # all others.
     positive = [value for value in values if value > 0]
     y = axis_around(positive or [*values, 0.0], HEIGHT - BOTTOM, TOP, log=bool(positive))
-    parts = [axes(x, y, "control steps of training in the search", label(run.objective))]
+    parts = [
+        axes(
+            x, y, "control steps of training in the search", label(run.objective, run.fitness_unit)
+        )
+    ]
     for name, group in groupby(points, key=lambda point: point.record.place.stage):
         border = x.at([*group][-1].steps)
         if name != points[-1].record.place.stage:
@@ -52,11 +56,11 @@ def best_so_far(run: Run) -> str:
             element("line", x1=x.start, x2=x.end, y1=at, y2=at, klass="reference-line")
             + text("reference design", x.end, at - 5, text_anchor="end", klass="note")
         )
-    classes = stage_classes(run)
+    classes, unit = stage_classes(run), run.fitness_unit
     path = f"M{x.at(points[0].steps):.1f} {y.at(points[0].best):.1f}"
     for point in points:
         place = point.record.place
-        said = f"{run.plan.describe(place)}: {in_unit(point.score, run.objective)}"
+        said = f"{run.plan.describe(place)}: {in_unit(point.score, run.objective, unit)}"
         parts.append(
             tip(
                 said,
@@ -100,13 +104,14 @@ def _scatter(
     x = axis_around(values, LEFT, WIDTH - RIGHT, log=True)
     fitness = [r.evaluation.fitness or 0.0 for r in shown]
     y = axis_around([*fitness, 0.0], HEIGHT - BOTTOM, TOP)
-    parts = [axes(x, y, label(_NAMES.get(across, across)), label("fitness")), *lines(x, y)]
+    unit = run.fitness_unit
+    parts = [axes(x, y, label(_NAMES.get(across, across)), label("fitness", unit)), *lines(x, y)]
     best = {evaluation.key for evaluation in run.pareto_set}
     for record, value in zip(shown, values, strict=True):
         evaluation = record.evaluation
         said = (
-            f"{run.plan.describe(record.place)}: {number(evaluation.efficiency)} "
-            f"{EFFICIENCY_UNIT} = {number(evaluation.fitness)} m / {number(evaluation.volume)} m³"
+            f"{run.plan.describe(record.place)}: "
+            f"{in_unit(evaluation.efficiency, 'efficiency', unit)} = {equation(evaluation, unit)}"
         )
         if evaluation.energy is not None:
             said += f", {number(evaluation.energy)} J"

@@ -29,7 +29,9 @@ from robomore.rewards.continuation import check_continuation
 from robomore.rewards.dry_run_findings import Observed, Term, findings, morphologies
 from robomore.rewards.load import load_reward
 from robomore.sandbox.call import Containment, run_sandboxed
-from robomore.tasks import Task, get_task
+from robomore.tasks import Task
+from robomore.tasks.portable import task_content
+from robomore.tasks.registry import carried_task
 from robomore.text import one_line
 from robomore.types import Limits, Status
 
@@ -55,6 +57,7 @@ class DryRunRequest:
     task: str
     morphologies: tuple[tuple[float, ...], ...]
     source: str
+    content: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +107,9 @@ class DryRun:
         with scratch_folder(self.scratch, "dry-run-") as scratch:
             ended = run_sandboxed(
                 "robomore.rewards.dry_run:observe",
-                msgspec.json.encode(DryRunRequest(self.task.id, drawn, source)),
+                msgspec.json.encode(
+                    DryRunRequest(self.task.id, drawn, source, task_content(self.task))
+                ),
                 scratch,
                 _LIMITS,
                 mode=self.containment,
@@ -140,7 +145,7 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
         InvalidReward, RewardFailed: the reasons are the reward's.
     """
     request = msgspec.json.decode(payload, type=DryRunRequest)
-    task = get_task(request.task)
+    task = carried_task(request.task, request.content)
     check_continuation(task, request.morphologies[0], load_reward(request.source))
     record = _Record()
     reward = load_reward(request.source, record.watch)

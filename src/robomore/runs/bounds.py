@@ -3,8 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from robomore.tasks import Parameter
+from robomore.tasks import Parameter, Task
+
+_AT_BOUND = 0.01
+"""A parameter counts as at its bound within this share of its range."""
+
+
+def at_bounds(task: Task, parameters: Sequence[float]) -> list[str]:
+    """Return the names of the parameters that stand at a bound, in the task's order."""
+    found = []
+    for parameter, value in zip(task.parameters, parameters, strict=True):
+        near = _AT_BOUND * (parameter.high - parameter.low)
+        if parameter.scale == "log":
+            near = _AT_BOUND * value
+        if min(abs(value - parameter.low), abs(value - parameter.high)) <= near:
+            found.append(parameter.name)
+    return found
 
 
 def share_of_range(parameter: Parameter, value: float) -> float:

@@ -22,9 +22,9 @@ class Comparison:
     def rows(self) -> list[Row]:
         """Return one row a run; the same columns for every method.
 
-        Units: fitness m, volume m^3, energy J, efficiency m/m^3. `ratio` is champion over
-        reference in what that run compared, with its 95 % interval where there are seeds enough
-        for one.
+        Units: fitness as the task says (`Run.fitness_unit`), volume m³, energy J, efficiency that
+        of fitness over m³. `ratio` is champion over reference in what that run compared, with its
+        95 % interval where there are seeds enough for one.
         """
         return [_row(run) for run in self.runs]
 

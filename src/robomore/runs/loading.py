@@ -6,16 +6,22 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 from robomore.errors import InputError, RunFolderError
+from robomore.plain_files import PlainFolder
 from robomore.runs.empty import empty_slots
 from robomore.runs.lineage import Record, best_of
 from robomore.runs.run import Run
 from robomore.runs.trained import TrainedDesign, trained_design
+from robomore.runs.words import in_unit
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
+from robomore.store.rundir import TASK_CONTENT
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
+from robomore.tasks.portable import task_from_content
+from robomore.tasks.registry import remember
 
 ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
 """Groups of the final, as a run's last event names them."""
@@ -32,7 +38,7 @@ def load_run(folder: str | Path) -> Run:
     path = Path(folder).expanduser()
     files = RunFolder.existing(path)
     manifest = Manifest.load(files.manifest)
-    task = get_task(manifest.task)
+    task = stored_task(files.files, manifest.task)
     if not files.ledger.is_file():
         raise RunFolderError(f"{path} has no ledger; start its run again with the same command")
     with closing(Ledger(files.ledger, read_only=True)) as ledger:
@@ -71,10 +77,22 @@ def load_run(folder: str | Path) -> Run:
         empty=empty_slots(proposals, plan),
         spending=spending,
         task_changes=_changes(manifest.task_parts, fingerprint(task)),
+        passed_over=_passed_over(task, records, manifest, ends[-1].body if ends else {}),
     )
     if champion is None and (best := best_of((r.evaluation for r in run.searched), run.objective)):
         return replace(run, champion=trained_design("best so far", task, [best]))
     return run
+
+
+def stored_task(files: PlainFolder, id: str) -> Task:
+    """Return the task whose content stands in a folder, or else the installed one of that id.
+
+    Raises:
+        InputError: there is none, or its content is damaged.
+    """
+    if files.is_file(TASK_CONTENT):
+        return remember(task_from_content(files.read(TASK_CONTENT), trusted=False))
+    return get_task(id)
 
 
 def _groups(
@@ -91,6 +109,23 @@ def _groups(
             return {}
         found[role] = trained_design(role, task, known)
     return found
+
+
+def _passed_over(
+    task: Task, records: Sequence[Record], manifest: Manifest, finished: dict[str, Any]
+) -> tuple[str, ...]:
+    """Return which designs of the final failed their audit, and why, in words."""
+    by_key = {record.evaluation.key: record for record in records}
+    told = finished.get("passed_over", [])
+    said = []
+    for one in told if isinstance(told, list) else []:
+        keys = one.get("keys", []) if isinstance(one, dict) else []
+        group = [by_key[str(key)] for key in keys if str(key) in by_key]
+        scores = [s for r in group if (s := r.evaluation.score(manifest.settings.objective))]
+        if scores:
+            worth = in_unit(fmean(scores), manifest.settings.objective, task.goal.unit)
+            said.append(f"{group[0].place.changed} ({worth}). {one.get('reason', '')}")
+    return tuple(said)
 
 
 def _role(groups: dict[str, TrainedDesign]) -> str:

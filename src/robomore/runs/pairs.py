@@ -84,7 +84,7 @@ def _verdict(run: Run, cells: tuple[tuple[TrainedDesign, ...], ...]) -> tuple[st
         return min(known[one].values) > max(known[other].values)
 
     def alike(one: str, other: str) -> str:
-        mean = in_unit(known[other].mean, run.objective)
+        mean = in_unit(known[other].mean, run.objective, run.fitness_unit)
         return f"({number(known[one].mean)} against {mean}, and their seeds overlap)"
 
     if not better(champion, "reference"):

@@ -83,6 +83,7 @@ class Run:
         empty: slots that the designer could not fill.
         spending: on a language model; nothing where none was asked.
         task_changes: parts of the task that were edited since the run.
+        passed_over: designs that failed their audit and could not be champion, and why.
         focus: key of the evaluation that stands in the champion's place (`focused`); else empty.
     """
 
@@ -102,6 +103,7 @@ class Run:
     empty: tuple[EmptySlot, ...]
     spending: Spending
     task_changes: tuple[str, ...]
+    passed_over: tuple[str, ...] = ()
     focus: str = ""
 
     # Numbers -------------------------------------------------------------------------------------
@@ -120,6 +122,11 @@ class Run:
     def objective(self) -> Objective:
         """What the search compared: `efficiency`, `fitness` or `transport-economy`."""
         return self.manifest.settings.objective
+
+    @property
+    def fitness_unit(self) -> str:
+        """Unit of the task's fitness; empty for a number without one."""
+        return self.task.goal.unit
 
     @cached_property
     def efficiency_ratio(self) -> Spread | None:
@@ -209,7 +216,8 @@ class Run:
     @cached_property
     def search_steps(self) -> int:
         """Control steps of training that the search took, the final left out."""
-        search = (r.evaluation for r in self.records if self._role(r) != "final")
+        final = {stage.name for stage in self.plan.stages if stage.role == "final"}
+        search = (r.evaluation for r in self.records if r.place.stage not in final)
         return _steps({e.key: e for e in search}.values())
 
     @cached_property
@@ -282,8 +290,7 @@ class Run:
         Raises:
             InputError: there is no such evaluation.
         """
-        with closing(Ledger(RunFolder(self.folder).ledger, read_only=True)) as ledger:
-            return ledger.curve(self.evaluation(key).key)
+        return self.curves().get(self.evaluation(key).key)
 
     def curves(self) -> dict[str, Curve]:
         """Return how each training went, by the key of its evaluation."""
@@ -298,7 +305,7 @@ class Run:
         """
         from robomore.training.policy import POLICY, MLPPolicy
 
-        evaluation = self._champion_seed() if key is None else self.evaluation(key)
+        evaluation = self.kept(key)
         path = RunFolder(self.folder).artifacts / evaluation.artifact / POLICY
         if not evaluation.artifact or not path.is_file():
             why = evaluation.diagnosis or "its file is missing; run the same command again"
@@ -325,7 +332,7 @@ class Run:
 
         from robomore.envs.registration import make_environment
 
-        evaluation = self._champion_seed() if key is None else self.evaluation(key)
+        evaluation = self.kept(key)
         parameters = evaluation.design.morphology.parameters
         environment = make_environment(self.task.id, parameters, **options)
         return TimeLimit(environment, self.task.episode_steps)
@@ -337,13 +344,17 @@ class Run:
 
         return write_report(self.folder, Path(out) if out else None)
 
-    def _champion_seed(self) -> Evaluation:
+    def kept(self, key: str | None = None) -> Evaluation:
+        """Return the evaluation of a key, by default of the champion's best training seed.
+
+        Raises:
+            InputError: there is none.
+        """
+        if key is not None:
+            return self.evaluation(key)
         if self.champion is None or not self.champion.trained:
             raise InputError(f"{self.folder} has nothing trained yet; wait, or run it on")
         return self.champion.best(self.objective)
-
-    def _role(self, record: Record) -> str:
-        return self.plan.stage(record.place.stage).role
 
 
 def _ratio(

@@ -22,8 +22,8 @@ Row = dict[str, Any]
 def rows(records: Sequence[Record], task: Task, plan: Plan) -> list[Row]:
     """Return one row an evaluation, in the order of the search.
 
-    Units: fitness m, volume m^3, efficiency m/m^3, energy J, lengths as the task says, times
-    core-seconds.
+    Units: fitness as the task says (`Fitness.unit`), volume m³, efficiency that of fitness over
+    m³, energy J, lengths as the task says, times core-seconds.
     """
     return [_row(record, task, plan) for record in records]
 

@@ -19,10 +19,10 @@ class TrainedDesign:
         name: its role, such as `champion` or `reference`.
         design: morphology and reward.
         parameters: of the morphology, by name.
-        volume: in m^3.
-        fitness: over the seeds that trained, in m; `None` if none did.
-        efficiency: likewise, in m/m^3.
-        body: `mass` kg, `density` kg/m^3, `rest_height` m, as far as known.
+        volume: in m³.
+        fitness: over the seeds that trained, in the unit of the task; `None` if none did.
+        efficiency: likewise, over m³.
+        body: `mass` kg, `density` kg/m³, `rest_height` m, as far as known.
         evaluations: one for each training seed, failed ones too.
     """
 

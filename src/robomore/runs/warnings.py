@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from robomore.runs.bounds import at_bounds
 from robomore.runs.lineage import best_of
 from robomore.runs.words import in_unit, number
 from robomore.statistics.spread import FEWEST
@@ -13,10 +14,8 @@ if TYPE_CHECKING:
     from robomore.runs.trained import TrainedDesign
 
 STEEL = 7850.0
-"""Density of steel in kg/m^3: a robot as a whole is never denser."""
+"""Density of steel in kg/m³: a robot as a whole is never denser."""
 
-_AT_BOUND = 0.01
-"""A parameter counts as at its bound within this share of its range."""
 _NAMED = 3
 """Empty slots that are named."""
 _WINNERS_CURSE = 0.7
@@ -51,6 +50,7 @@ def warnings_about(run: Run) -> tuple[str, ...]:
         said += _about_training_anew(run)
         said += _about_fitness(run)
         said += _about_limits(run)
+        said += _about_audits(run)
     said += _about_matter(champion)
     said += _about_bounds(run, champion)
     return tuple(said)
@@ -95,7 +95,7 @@ def _about_training_anew(run: Run) -> list[str]:
     if measured is None or not seen or measured.mean >= _WINNERS_CURSE * seen:
         return []
     return [
-        f"The search saw {in_unit(seen, run.objective)}, training anew gave "
+        f"The search saw {in_unit(seen, run.objective, run.fitness_unit)}, training anew gave "
         f"{number(measured.mean)}: the best of many noisy numbers is partly luck."
     ]
 
@@ -108,8 +108,9 @@ def _about_fitness(run: Run) -> list[str]:
     if champion.fitness.mean < reference.fitness.mean:
         said.append(
             "The champion uses less material, but it does not do better at the task: its fitness "
-            f"is {number(champion.fitness.mean)} m against {number(reference.fitness.mean)} m of "
-            "the reference design; its efficiency comes from the small volume."
+            f"is {number(champion.fitness.mean)} against "
+            f"{in_unit(reference.fitness.mean, 'fitness', run.fitness_unit)} of the reference "
+            "design; its efficiency comes from the small volume."
         )
     if reference.fitness.mean <= 0:
         said.append(
@@ -137,6 +138,10 @@ def _about_limits(run: Run) -> list[str]:
     ]
 
 
+def _about_audits(run: Run) -> list[str]:
+    return [f"Not champion, since it failed its audit: {one}" for one in run.passed_over]
+
+
 def _about_matter(champion: TrainedDesign) -> list[str]:
     density = champion.body.get("density", 0.0)
     if density <= STEEL:
@@ -149,14 +154,10 @@ def _about_matter(champion: TrainedDesign) -> list[str]:
 
 
 def _about_bounds(run: Run, champion: TrainedDesign) -> list[str]:
-    at_bound = []
-    for parameter in run.task.parameters:
-        value = champion.parameters[parameter.name]
-        near = _AT_BOUND * (parameter.high - parameter.low)
-        if parameter.scale == "log":
-            near = _AT_BOUND * value
-        if min(abs(value - parameter.low), abs(value - parameter.high)) <= near:
-            at_bound.append(parameter.name)
+    # What a language model proposes is held to the bounds alone.
+    sampled = run.manifest.designer in ("", "offline")
+    task = run.task.searched() if sampled else run.task
+    at_bound = at_bounds(task, champion.design.morphology.parameters)
     if not at_bound:
         return []
     verb = "stands at its bound" if len(at_bound) == 1 else "stand at their bounds"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from robomore.statistics.spread import Spread
-
-EFFICIENCY_UNIT = "m/m³"
+from robomore.tasks.fitness import per_volume
+from robomore.types import Evaluation
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -27,15 +27,26 @@ def short(value: float) -> str:
     return f"{value:,.6g}" if abs(value) < 1e6 else number(value)
 
 
-def unit_of(objective: str) -> str:
-    """Return the unit of what is compared: m/m³ for efficiency, m for fitness, else none."""
-    return {"efficiency": EFFICIENCY_UNIT, "fitness": "m"}.get(objective, "")
+def unit_of(objective: str, fitness: str) -> str:
+    """Return the unit of what is compared; empty for a number without one.
+
+    Args:
+        objective: what is compared.
+        fitness: the unit of the task's fitness (`Fitness.unit`).
+    """
+    return {"efficiency": per_volume(fitness), "fitness": fitness}.get(objective, "")
 
 
-def in_unit(value: float | None, objective: str) -> str:
-    """Return a score with its unit, or with its name where it has no unit."""
-    unit = unit_of(objective) or f"({objective.replace('-', ' ')})"
+def in_unit(value: float | None, objective: str, fitness: str) -> str:
+    """Return a score with its unit, or with its name where it has no unit; see `unit_of`."""
+    unit = unit_of(objective, fitness) or f"({objective.replace('-', ' ')})"
     return f"{number(value)} {unit}"
+
+
+def equation(evaluation: Evaluation, fitness: str) -> str:
+    """Return fitness over volume as a formula in units: `14.9 m / 0.0212 m³`."""
+    worth = f"{number(evaluation.fitness)} {fitness}".rstrip()
+    return f"{worth} / {number(evaluation.volume)} m³"
 
 
 def with_interval(measured: Spread, unit: str = "", digits: int = 4) -> str:
@@ -65,8 +76,6 @@ def duration(seconds: float) -> str:
 
 
 LABELS = {
-    "efficiency": "efficiency (m/m³)",
-    "fitness": "fitness (m)",
     "transport-economy": "transport economy (1 / cost of transport)",
     "volume": "volume (m³)",
     "mass": "mass (kg)",
@@ -107,11 +116,18 @@ _UNITS = {
 }
 
 
-def label(name: str) -> str:
+def label(name: str, fitness: str = "") -> str:
     """Return what a number is called before people, its unit in brackets.
 
     A name that is not in the table is put into words: `step_length_m` is `step length (m)`.
+
+    Args:
+        name: of the number.
+        fitness: the unit of the task's fitness, which that of `efficiency` follows from.
     """
+    if name in ("efficiency", "fitness"):
+        unit = unit_of(name, fitness)
+        return f"{name} ({unit})" if unit else name
     if name in LABELS:
         return LABELS[name]
     for ending, unit in _UNITS.items():

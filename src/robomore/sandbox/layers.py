@@ -30,7 +30,7 @@ def layers() -> list[Layer]:
                 "robomore.sandbox.layers:attempt",
                 json.dumps(targets).encode(),
                 Path(folder) / "scratch",
-                Limits(wall_seconds=20.0),
+                Limits(wall_seconds=120.0),
                 mode=Containment.RELAXED,
             )
             if result.status is Status.OK:

@@ -13,7 +13,7 @@ from pathlib import Path
 from robomore.registry import plugin_entries
 from robomore.tasks.own_source import own_source
 
-_GROUPS = ("robomore.tasks", "robomore.trainers")
+_GROUPS = ("robomore.tasks", "robomore.trainers", "robomore.fitness")
 PACKAGES = ("site-packages", "dist-packages", "lib-dynload")
 """Names of folders for installed packages, which can be read anyway."""
 

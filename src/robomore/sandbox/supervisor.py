@@ -222,7 +222,7 @@ class Supervisor:
         return Status.CRASHED, f"{ending} and no result{output}"
 
 
-_LINE = re.compile(r'File "<reward>", line (\d+)')
+_LINE = re.compile(r'File "<reward>", line (\d{1,6})\b')
 _MEMORY_SHARE = 0.5
 """Share of the memory limit. Memory is taken as the cause of death of a process that used more."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import os
+import re
 import stat
 import zipfile
 from pathlib import Path
@@ -79,23 +80,32 @@ def read_arrays(path: Path, most_bytes: int, most_members: int) -> dict[str, NDA
 def _array(content: bytes) -> NDArray[np.float32]:
     """Return an array from the content of an `.npy` file.
 
+    Its header is a Python expression. It is not parsed as one: NumPy writes it in one form alone.
+
     Raises:
-        ValueError: it is anything but numbers of type float32 in C order.
+        ValueError: it is anything but matrices and vectors of type float32 in C order.
     """
-    file = io.BytesIO(content)
-    if np.lib.format.read_magic(file) != (1, 0):
-        raise ValueError("its version is not 1.0")
-    shape, fortran_order, dtype = np.lib.format.read_array_header_1_0(file)
-    if dtype != np.dtype("<f4") or fortran_order or not 0 < len(shape) <= 2:
-        raise ValueError(f"it holds {dtype.str} of shape {shape}, not matrices and vectors of <f4")
-    numbers = np.frombuffer(content, np.float32, offset=file.tell())
+    head = _HEAD.match(content[:_LONGEST_HEAD])
+    if head is None:
+        said = content[:_LONGEST_HEAD].decode("latin-1").partition("{")[2].partition("}")[0]
+        raise ValueError(f"its header {said!r} is none of a matrix or vector of float32")
+    shape = tuple(int(number) for number in head[1].split(b",") if number.strip())
+    numbers = np.frombuffer(content, np.float32, offset=head.end())
     if min(shape) < 1 or numbers.size != math.prod(shape):
         raise ValueError(f"it holds {numbers.size} numbers, which its shape {shape} does not fit")
     return numbers.reshape(shape).copy()
 
 
+_LONGEST_HEAD = 256
+_HEAD = re.compile(
+    rb"\x93NUMPY\x01\x00..\{'descr': '<f4', 'fortran_order': False, "
+    rb"'shape': \(([0-9]{1,9},|[0-9]{1,9}, [0-9]{1,9})\), \} *\n",
+    re.DOTALL,
+)
+"""What NumPy writes at the beginning of a matrix or a vector: magic, version, length, header."""
+
 _BROKEN = (
     *(ValueError, OSError, EOFError, KeyError, MemoryError, zipfile.BadZipFile),
-    *(TypeError, SyntaxError, RecursionError, RuntimeError, NotImplementedError, OverflowError),
+    *(TypeError, RuntimeError, NotImplementedError, OverflowError),
 )
-"""What a damaged or manipulated archive or header can raise."""
+"""What a damaged or manipulated archive can raise."""

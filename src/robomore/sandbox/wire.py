@@ -33,6 +33,9 @@ class MalformedFrame(ValueError):
     """Bytes that no process sends unless untrusted code wrote them."""
 
 
+MOST_BYTES = 2 * MAX_BODY
+"""All frames of one process together. Millions of reports of progress fit, a flood does not."""
+
 _HEAD = struct.Struct("<BI")
 _NUMBER = struct.Struct("<q")
 
@@ -60,22 +63,31 @@ class Frames:
 
     def __init__(self) -> None:
         self._held = bytearray()
+        self._arrived = 0
 
     def feed(self, arrived: bytes) -> list[tuple[Kind, bytes]]:
         """Return the frames that `arrived` completes.
 
         Raises:
-            MalformedFrame: an unknown kind, or a body longer than `MAX_BODY`.
+            MalformedFrame: an unknown kind, a body longer than `MAX_BODY`, or more than
+                `MOST_BYTES` in all.
         """
+        self._arrived += len(arrived)
+        if self._arrived > MOST_BYTES:
+            raise MalformedFrame(f"more than {MOST_BYTES >> 20} MiB")
         self._held += arrived
-        frames = []
-        while len(self._held) >= _HEAD.size:
-            number, length = _HEAD.unpack_from(self._held)
-            if number not in Kind.__members__.values() or length > MAX_BODY:
+        frames, begin = [], 0
+        while len(self._held) >= begin + _HEAD.size:
+            number, length = _HEAD.unpack_from(self._held, begin)
+            if number not in _KINDS or length > MAX_BODY:
                 raise MalformedFrame(f"a frame of kind {number} and {length} bytes")
-            end = _HEAD.size + length
+            end = begin + _HEAD.size + length
             if len(self._held) < end:
                 break
-            frames.append((Kind(number), bytes(self._held[_HEAD.size : end])))
-            del self._held[:end]
+            frames.append((Kind(number), bytes(self._held[begin + _HEAD.size : end])))
+            begin = end
+        del self._held[:begin]
         return frames
+
+
+_KINDS = frozenset(Kind)

@@ -18,10 +18,12 @@ from robomore.search.population import (
     Array,
     Candidate,
     generations,
+    given_candidate,
     start_candidate,
     trained,
     valid_point,
 )
+from robomore.search.starts import Kind
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Evaluation
 
@@ -60,6 +62,7 @@ class CMAES:
     Settings = CMAESSettings
     summary: ClassVar[str] = "CMA-ES over the task's bounds, under the reference reward"
     needs_designer: ClassVar[bool] = False
+    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
     provenance: ClassVar[str] = (
         "No LLM was used: morphologies were sampled by CMA-ES, starting at the reference design."
     )
@@ -78,6 +81,8 @@ class CMAES:
         space = UnitSpace(context.task)
         count, size = self._sizes(context)
         anchor = start_candidate(context).parameters
+        if context.starts:
+            anchor = context.starts[0].parameters
         sampler = self._sampler(space, anchor, size, context.seed, 0)
         found: list[Evaluation] = []
         for generation in range(math.ceil(count / size)):
@@ -85,7 +90,12 @@ class CMAES:
                 # It has converged. What is left of the budget begins again around the best.
                 sampler = self._sampler(space, anchor, size, context.seed, generation)
             points, candidates = [], []
-            for _ in range(min(size, count - len(found))):
+            for member in range(min(size, count - len(found))):
+                given = given_candidate(generation * size + member + 1, context)
+                if given is not None:
+                    points.append(space.units([given.parameters])[0])
+                    candidates.append(given)
+                    continue
                 point, values = _asked(sampler, space, anchor)
                 points.append(point)
                 candidates.append(Candidate(values, f"CMA-ES, generation {generation + 1}"))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, ClassVar, Literal, TypeVar
+from typing import Annotated, ClassVar, TypeVar
 
 import msgspec
 
@@ -19,11 +19,11 @@ from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, ranked, top
 from robomore.search.method import SearchContext
 from robomore.search.propose import filled, independent
+from robomore.search.starts import Kind
 from robomore.types import Design, Evaluation, Place, Reward, Slot, Trial
 
 STAGE = "iterations"
 
-Kind = Literal["morphology", "reward"]
 T = TypeVar("T")
 
 
@@ -44,6 +44,7 @@ class Eureka:
     Settings = EurekaSettings
     summary: ClassVar[str] = "Eureka: rewards for the reference morphology, improved in rounds"
     needs_designer: ClassVar[bool] = True
+    starts_from: ClassVar[tuple[Kind, ...]] = ("reward",)
     provenance: ClassVar[str] = ""
 
     def __init__(self, settings: EurekaSettings) -> None:

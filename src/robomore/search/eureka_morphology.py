@@ -9,6 +9,7 @@ from robomore.plan import Plan
 from robomore.search.eureka import EurekaSettings, iterated, planned
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
+from robomore.search.starts import Kind
 from robomore.types import Design, Evaluation, Morphology, Slot
 
 
@@ -18,6 +19,7 @@ class EurekaMorphology:
     Settings = EurekaSettings
     summary: ClassVar[str] = "Eureka's loop for morphologies, under the reference reward"
     needs_designer: ClassVar[bool] = True
+    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
     provenance: ClassVar[str] = ""
 
     def __init__(self, settings: EurekaSettings) -> None:

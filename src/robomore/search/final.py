@@ -35,8 +35,8 @@ class Final:
     """Evaluations of the designs in the final, one for each training seed.
 
     Attributes:
-        champion: the best of all the groups below.
-        found: the finalist with the best mean score.
+        champion: the best of all the groups below that nothing is said against.
+        found: the finalist with the best mean score, of those that nothing is said against.
         reference: the reference design.
         morphology_only: the found morphology under the reference reward.
         reward_only: the reference morphology under the found reward.
@@ -47,6 +47,8 @@ class Final:
     reference: Group
     morphology_only: Group
     reward_only: Group
+    passed_over: tuple[tuple[Group, str], ...] = ()
+    """Groups that would have had the seat of `champion` or `found`, and what is said against."""
 
 
 def stage(settings: FinalSettings) -> Stage:
@@ -70,6 +72,7 @@ def final(
     seeds: int,
     objective: str,
     eligible: Callable[[Morphology], bool] = lambda morphology: True,
+    doubt: Callable[[Group], str] = lambda group: "",
 ) -> Final:
     """Train `finalists`, `reference` and the crossed pairs anew, and name the champion.
 
@@ -83,7 +86,25 @@ def final(
         seeds: training seeds of each design.
         objective: what is compared.
         eligible: whether a morphology may be champion; the reference may break the run's limits.
+        doubt: says what speaks against a group that is about to be chosen, or nothing. The
+            reference design is chosen all the same: it is what the others are compared with.
     """
+    doubts: dict[Design, str] = {}
+
+    def first_sound(groups: Sequence[Group]) -> Group | None:
+        for group in sorted(groups, key=lambda one: standing(one, objective), reverse=True):
+            design = group[0].design
+            if same_content(design, reference) or not standing(group, objective)[0]:
+                return group
+            if design not in doubts:
+                doubts[design] = doubt(group)
+                if doubts[design]:
+                    passed_over.append((group, doubts[design]))
+            if not doubts[design]:
+                return group
+        return None
+
+    passed_over: list[tuple[Group, str]] = []
 
     def trials(role: str, design: Design, index: int = 0, parent: str = "") -> list[Trial]:
         return [
@@ -115,19 +136,20 @@ def final(
         found = groups[0]
     else:
         *groups, with_reference = _by_design(evaluate(asked), seeds)
-        found = max(groups, key=lambda group: standing(group, objective))
+        best_group = max(groups, key=lambda group: standing(group, objective))
+        found = first_sound(groups) or best_group
         best = finalists[groups.index(found)]
         morphology_only, reward_only = _by_design(evaluate(crossed(best)), seeds)
     groups = [found, morphology_only, reward_only, with_reference]
+    allowed = [group for group in groups if eligible(group[0].design.morphology)]
     return Final(
-        champion=max(
-            (group for group in groups if eligible(group[0].design.morphology)),
-            key=lambda group: standing(group, objective),
-        ),
+        # The reference has a seat where all others are passed over, whatever the run's limits.
+        champion=first_sound(allowed) or with_reference,
         found=found,
         reference=with_reference,
         morphology_only=morphology_only,
         reward_only=reward_only,
+        passed_over=tuple(passed_over),
     )
 
 
@@ -135,6 +157,14 @@ def standing(group: Group, objective: str) -> tuple[int, float]:
     """Return what groups are compared by: seeds that trained, then their mean score."""
     scores = [score for e in group if (score := e.score(objective)) is not None]
     return len(scores), fmean(scores) if scores else 0.0
+
+
+def same_content(one: Design, other: Design) -> bool:
+    """Return whether two designs are the same but for their ideas."""
+    return (one.morphology.parameters, one.reward.source) == (
+        other.morphology.parameters,
+        other.reward.source,
+    )
 
 
 def _by_design(measured: Sequence[Evaluation], seeds: int) -> list[Group]:

@@ -18,11 +18,13 @@ from robomore.search.population import (
     Array,
     Candidate,
     generations,
+    given_candidate,
     start_candidate,
     trained,
     valid_point,
 )
 from robomore.search.random import drawn
+from robomore.search.starts import Kind
 from robomore.tasks.task import Task
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Evaluation
@@ -45,8 +47,8 @@ class GeneticSettings:
     mutation: Annotated[float, msgspec.Meta(gt=0, le=1)] = 0.1
     """Standard deviation of a mutation, as a fraction of each parameter's range."""
     deviation: Annotated[float, msgspec.Meta(gt=0)] = 0.5
-    """Standard deviation of the first generation around the reference, as a share of each reference
-    value; the reference itself is in it."""
+    """Standard deviation of the first generation around the reference, as a fraction of each
+    reference value; the reference itself is in it."""
 
 
 class Genetic:
@@ -55,6 +57,7 @@ class Genetic:
     Settings = GeneticSettings
     summary: ClassVar[str] = "a genetic algorithm over limbs, under the reference reward"
     needs_designer: ClassVar[bool] = False
+    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
     provenance: ClassVar[str] = (
         "No LLM was used: morphologies were bred by a genetic algorithm from the reference design."
     )
@@ -88,6 +91,8 @@ class Genetic:
     ) -> Candidate:
         """Return a child of two of `parents`; without parents, a draw around the reference."""
         seed = derive_seed(context.seed, STAGE, place)
+        if given := given_candidate(place[0] * self.settings.population + place[1], context):
+            return given
         if not parents:
             if place == (0, 0):
                 return start_candidate(context)

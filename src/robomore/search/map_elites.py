@@ -20,8 +20,16 @@ from robomore.identity import derive_seed
 from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, improves, ranked
 from robomore.search.method import SearchContext
-from robomore.search.population import Array, Candidate, start_candidate, trained, valid_point
+from robomore.search.population import (
+    Array,
+    Candidate,
+    given_candidate,
+    start_candidate,
+    trained,
+    valid_point,
+)
 from robomore.search.random import drawn
+from robomore.search.starts import Kind
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Evaluation
 
@@ -59,8 +67,8 @@ class MapElitesSettings:
     line: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.3
     """Standard deviation of a step along the line to another elite, as a fraction of the way."""
     deviation: Annotated[float, msgspec.Meta(gt=0)] = 0.5
-    """Standard deviation of the first draws around the reference, as a share of each reference
-    value."""
+    """Standard deviation of the first draws around the reference, as a fraction of each
+    reference value."""
 
 
 class MapElites:
@@ -69,6 +77,7 @@ class MapElites:
     Settings = MapElitesSettings
     summary: ClassVar[str] = "MAP-Elites: the best morphology for each gait, reference reward"
     needs_designer: ClassVar[bool] = False
+    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
     provenance: ClassVar[str] = (
         "No LLM was used: morphologies were changed at random by MAP-Elites, starting at the "
         "reference design."
@@ -119,6 +128,8 @@ class MapElites:
         self, number: int, elites: Sequence[Evaluation], context: SearchContext
     ) -> Candidate:
         seed = derive_seed(context.seed, STAGE, number)
+        if given := given_candidate(number, context):
+            return given
         if not elites:
             if number == 0:
                 return start_candidate(context)

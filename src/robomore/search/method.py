@@ -12,7 +12,7 @@ from robomore.plan import Plan
 from robomore.search.measure import Evaluate
 from robomore.settings import Budget, Objective
 from robomore.tasks.task import Task
-from robomore.types import Design, Evaluation
+from robomore.types import Design, Evaluation, Morphology
 
 T = TypeVar("T")
 
@@ -44,6 +44,8 @@ class SearchContext:
         seed: of the run; whatever is drawn at random follows from it.
         observe: told what goes on, such as who is cut.
         map_fn: asks for proposals that do not depend on each other.
+        starts: given morphologies that a method without a designer tries first. A designer proposes
+            them by itself.
     """
 
     task: Task
@@ -54,6 +56,7 @@ class SearchContext:
     seed: int = 0
     observe: Observer = ignore
     map_fn: MapFn = sequential_map
+    starts: tuple[Morphology, ...] = ()
 
 
 class SearchMethod(Protocol):
@@ -68,6 +71,9 @@ class SearchMethod(Protocol):
         summary: one line for `robomore methods`.
         needs_designer: whether it asks a designer for proposals.
         provenance: one sentence on where its designs come from; empty where the designer says it.
+
+    A method that can start from given designs says so with `starts_from`, a tuple of `morphology`
+    and `reward`. One without it takes none.
     """
 
     Settings: ClassVar[type[Any]]

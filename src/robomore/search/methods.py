@@ -35,6 +35,7 @@ METHODS: Registry[type[SearchMethod]] = Registry(
         "cmaes": "robomore.search.cmaes:CMAES",
         "genetic": "robomore.search.genetic:Genetic",
         "map-elites": "robomore.search.map_elites:MapElites",
+        "given": "robomore.search.given:Given",
     },
     _fault,
 )

@@ -88,7 +88,11 @@ def start(task: Task) -> tuple[float, ...] | None:
 
     A run's limits may refuse the reference itself. `None` where they refuse every scale.
     """
-    radii = UnitSpace(task).radii
+    try:
+        return task.check(task.reference)
+    except InvalidMorphology:
+        pass
+    radii, task = UnitSpace(task).radii, task.searched()
     reference = np.array(task.reference)
     for scale in sorted(np.geomspace(1e-2, 1e2, _SCALES), key=lambda one: abs(math.log(one))):
         values = np.where(radii, np.round(scale * reference, DECIMALS), reference)
@@ -109,6 +113,14 @@ def start_candidate(context: SearchContext) -> Candidate:
             f"{context.task.id}: no scale of the reference's radii is valid; give larger limits"
         )
     return Candidate(begin, "the reference with its radii scaled into the run's limits")
+
+
+def given_candidate(number: int, context: SearchContext) -> Candidate | None:
+    """Return the given start that is candidate `number` of a search, the reference being 0."""
+    if not 1 <= number <= len(context.starts):
+        return None
+    start = context.starts[number - 1]
+    return Candidate(start.parameters, start.idea)
 
 
 def generations(stage: str, count: int, size: int, context: SearchContext) -> Plan:

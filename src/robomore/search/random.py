@@ -15,6 +15,7 @@ from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
 from robomore.search.population import start
+from robomore.search.starts import Kind
 from robomore.tasks.task import Task
 from robomore.types import Design, Evaluation, Morphology, Place, Trial
 
@@ -22,7 +23,7 @@ DRAWS = 2000
 """Draws before giving up on a valid morphology."""
 
 LEAST_SHARE = 0.1
-"""A parameter whose reference value is near 0 varies as if it were this share of its range."""
+"""A parameter whose reference value is near 0 varies as if it were this fraction of its range."""
 
 STAGE = "samples"
 
@@ -34,8 +35,8 @@ class RandomSettings:
     samples: Annotated[int, msgspec.Meta(ge=1)] | None = None
     """Morphologies to draw; by default as many as the preset's search has full trainings."""
     deviation: Annotated[float, msgspec.Meta(gt=0)] = 0.5
-    """Standard deviation of each parameter, as a share of its reference value. A half gives about
-    the coefficient of variation that the paper reports (Table 3)."""
+    """Standard deviation of each parameter, as a fraction of its reference value. A half gives
+    about the coefficient of variation that the paper reports (Table 3)."""
 
 
 class RandomSearch:
@@ -44,6 +45,7 @@ class RandomSearch:
     Settings = RandomSettings
     summary: ClassVar[str] = "morphologies drawn around the reference, under the reference reward"
     needs_designer: ClassVar[bool] = False
+    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
     provenance: ClassVar[str] = (
         "No LLM was used: morphologies were drawn at random around the reference design."
     )
@@ -70,7 +72,10 @@ class RandomSearch:
         trials = []
         for n in range(self._count(context)):
             seed = derive_seed(context.seed, STAGE, n)
-            morphology = drawn(context.task, seed, self.settings.deviation)
+            given = context.starts[n : n + 1]
+            morphology = next(iter(given), None) or drawn(
+                context.task, seed, self.settings.deviation
+            )
             design = Design(morphology, context.reference.reward)
             trials.append(Trial(design, Place(stage=STAGE, index=(n,))))
         return ranked(evaluate(trials), context.objective)
@@ -80,19 +85,21 @@ class RandomSearch:
 
 
 def drawn(task: Task, seed: int, deviation: float) -> Morphology:
-    """Return a valid morphology from a Gaussian around the task's reference, cut at its bounds.
+    """Return a valid morphology from a Gaussian around the task's reference, cut at its search
+    ranges.
 
     Where a run's limits refuse the reference, its radii are scaled into them first.
 
     Args:
         task: whose parameters these are.
         seed: of the draw.
-        deviation: standard deviation, as a share of each reference value.
+        deviation: standard deviation, as a fraction of each reference value.
 
     Raises:
         NothingTrained: none of many draws passed the task's rules.
     """
     random = np.random.default_rng(seed)
+    task = task.searched()
     mean = np.array(start(task) or task.reference)
     low = np.array([parameter.low for parameter in task.parameters])
     high = np.array([parameter.high for parameter in task.parameters])

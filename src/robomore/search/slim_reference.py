@@ -84,7 +84,7 @@ def slim(task: Task, settings: SlimReferenceSettings) -> list[Morphology]:
     Raises:
         InputError: no parameter sets a radius, or the wanted scales break bounds or rules.
     """
-    radii = UnitSpace(task).radii
+    radii, task = UnitSpace(task).radii, task.searched()
     reference = np.array(task.reference)
     low = np.array([parameter.low for parameter in task.parameters])
     if not radii.any():

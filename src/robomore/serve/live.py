@@ -74,7 +74,10 @@ def run_page(one: Watched, whole: bool = True) -> str:
             moving=json.dumps(_moving(one.name, run)) if run and whole else "[]",
             best_so_far=Markup(best_so_far(run)) if run and small else "",
             fitness_over_volume=Markup(fitness_over_volume(run)) if run and small else "",
-            grids=[(g.stage.name, Markup(heatmap(g, run.objective))) for g in grids(run)]
+            grids=[
+                (g.stage.name, Markup(heatmap(g, run.objective, run.fitness_unit)))
+                for g in grids(run)
+            ]
             if run and small
             else [],
             query=urlencode({"name": one.name}),
@@ -95,7 +98,7 @@ def line(one: Watched) -> Line:
         name=one.name if one.name != "." else one.path.resolve().name,
         address=f"/run?{urlencode({'name': one.name})}",
         state=_state(one),
-        best=in_unit(score.mean, run.objective) if run and score else "",
+        best=in_unit(score.mean, run.objective, run.fitness_unit) if run and score else "",
         ratio=f"{run.ratio.mean:.2f}\N{MULTIPLICATION SIGN}" if run and run.ratio else "",
         measured=f"{sum(counts.values())}" + (f", {failed} failed" if failed else ""),
         far=told.elapsed / max(1e-9, told.elapsed + left) if told and left is not None else None,

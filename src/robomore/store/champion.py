@@ -10,7 +10,8 @@ import msgspec
 
 from robomore.errors import RunFolderError
 from robomore.plain_files import PlainFolder
-from robomore.store.rundir import RunFolder
+from robomore.store.rundir import TASK_CONTENT, RunFolder
+from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
 from robomore.text import to_json
 from robomore.types import Evaluation
@@ -19,7 +20,7 @@ from robomore.types import Evaluation
 def save_champion(
     folder: RunFolder, task: Task, retrained: Sequence[Evaluation], objective: str
 ) -> None:
-    """Write `champion/`: design.json, reward.py, robot.xml, the best seed's policy.npz, and sums.
+    """Write `champion/`: the design's files, the best seed's policy.npz, and SHA256SUMS.
 
     `retrained` holds the champion's evaluations, one for each training seed; `objective` decides
     whose policy is kept.
@@ -56,6 +57,10 @@ def write_design(path: Path, task: Task, evaluations: Sequence[Evaluation]) -> N
     files.write("design.json", text + b"\n")
     files.write("reward.py", design.reward.source.encode())
     files.write("robot.xml", task.mjcf(design.morphology.parameters).encode())
+    for name, data in task.assets.items():
+        files.write(name, data)
+    if content := task_content(task):
+        files.write(TASK_CONTENT, content)
 
 
 def write_sums(path: Path) -> None:
@@ -90,7 +95,7 @@ def check_sums(path: Path) -> None:
 SUMS = "SHA256SUMS"
 
 
-_CONTENT = ("design.json", "policy.npz", "reward.py", "robot.xml")
+_CONTENT = ("design.json", "policy.npz", "reward.py", "robot.xml", TASK_CONTENT)
 """What a design consists of; other files in its folder, such as a video, have no sum."""
 _MOST_BYTES = 2**20
 

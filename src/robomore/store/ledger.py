@@ -41,6 +41,8 @@ class Ledger(Rows):
             StorageFailed: the disk is full, or cannot be written.
         """
         super().__init__(path, read_only, durable=False)
+        # One process writes, so it need not look for the last one each time.
+        self._last_place: int | None = None
         try:
             for table in TABLES:
                 for row in self._select(f"SELECT * FROM {table}"):
@@ -94,8 +96,11 @@ class Ledger(Rows):
             known = list(self._select("SELECT * FROM places WHERE place = ?", (name,)))
             if known and known[0][1] == key:
                 return
-            (last,) = self._execute("SELECT coalesce(max(seq), 0) FROM places")[0]
-            self._insert("places", name, key, known[0][2] if known else last + 1)
+            if self._last_place is None:
+                ((self._last_place,),) = self._execute("SELECT coalesce(max(seq), 0) FROM places")
+            if not known:
+                self._last_place += 1
+            self._insert("places", name, key, known[0][2] if known else self._last_place)
 
     def placed(self) -> list[tuple[Place, Evaluation]]:
         """Return every evaluation in each place it was asked for, in the order of asking."""
@@ -151,6 +156,15 @@ class Ledger(Rows):
         """Return whom screening cut, in the order of the rungs."""
         found = [msgspec.convert(e.body, Cut) for e in self.events() if e.kind == "cut"]
         return sorted(found, key=lambda cut: cut.steps)
+
+    def add_hint(self, slot: Slot, hint: str) -> None:
+        """Note the remark of a person that the designer is given for a slot."""
+        self.add_event("hint", slot=to_json(slot).decode(), hint=hint)
+
+    def hints(self) -> dict[str, str]:
+        """Return the remark that each slot was asked for with, by the slot as JSON."""
+        bodies = [event.body for event in self.events() if event.kind == "hint"]
+        return {str(body["slot"]): str(body["hint"]) for body in bodies}
 
     def events(self) -> list[Event]:
         rows = self._select("SELECT * FROM events ORDER BY seq")

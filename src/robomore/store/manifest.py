@@ -17,6 +17,7 @@ from robomore.plain_files import read_plain, write_plain
 from robomore.plan import Plan
 from robomore.settings import RunSettings
 from robomore.text import to_json
+from robomore.types import Start
 
 FORMAT = 3
 """Raised when a run folder's layout changes."""
@@ -56,6 +57,7 @@ class Manifest:
         designer_settings: what decides the proposals of a designer that has settings of its own,
             such as the language model and how it is used; never a key.
         versions: of the packages that can change the numbers.
+        starts: what the search started from besides the reference design.
         format: of the folder.
     """
 
@@ -69,6 +71,7 @@ class Manifest:
     plan: Plan
     designer_settings: dict[str, Any] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=package_versions)
+    starts: tuple[Start, ...] = ()
     format: int = FORMAT
 
     def save(self, path: Path) -> None:
@@ -115,9 +118,11 @@ class Manifest:
         """
         for name in (
             *("task", "task_parts", "designer", "designer_settings", "seed"),
-            *("settings", "versions"),
+            *("settings", "versions", "starts"),
         ):
             mine, theirs = getattr(self, name), getattr(asked, name)
+            if name == "starts":  # the same file may have another name
+                mine, theirs = ([(s.morphology, s.reward) for s in one] for one in (mine, theirs))
             if mine == theirs:
                 continue
             remedy = "choose another folder with --out"
@@ -128,6 +133,8 @@ class Manifest:
                 said = f"the task {self.task} was edited since ({', '.join(parts)})"
             elif name == "settings":
                 said = f"its settings (preset {self.preset!r}) differ from these ({asked.preset!r})"
+            elif name == "starts":
+                said = f"it started from {len(mine)} given designs, others than these {len(theirs)}"
             elif name == "designer_settings":
                 said = "its designer was told otherwise: " + _difference(mine, theirs)
             else:

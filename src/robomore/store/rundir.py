@@ -11,6 +11,9 @@ from robomore.plain_files import PARTIAL, PlainFolder
 from robomore.store.manifest import Manifest
 from robomore.store.opening import refuse_unsafe
 
+TASK_CONTENT = "task.json"
+"""File that holds a task of a file whole, in a run's folder and beside a design."""
+
 _PROBE_BYTES = 4 * 2**20
 _FOLDERS = {"artifacts": 2, "checkpoints": 2, "scratch": 1, "champion": 1}
 """Folders in a run's folder, and how many levels of each are used."""
@@ -21,6 +24,7 @@ class RunFolder:
 
     ```
     run.json          what was asked for (Manifest)
+    task.json         the task, if it came from a task file
     ledger.sqlite     proposals, evaluations, exchanges, events
     artifacts/KEY/    policy.npz of an evaluation
     checkpoints/      trainings that rest between two rungs of screening
@@ -35,6 +39,7 @@ class RunFolder:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.manifest = path / "run.json"
+        self.task = path / TASK_CONTENT
         self.ledger = path / "ledger.sqlite"
         self.artifacts = path / "artifacts"
         self.scratch = path / "scratch"
@@ -42,6 +47,7 @@ class RunFolder:
         self.champion = path / "champion"
         self.report = path / "report.html"
         self.progress = path / "progress.json"
+        self.hint = path / "hint.txt"
         self._lock = path / "lock"
         self._probe = path / "probe.partial"
         self._held: sqlite3.Connection | None = None
@@ -131,7 +137,7 @@ class RunFolder:
         Raises:
             RunFolderError: naming it.
         """
-        used = ("run.", "ledger", "lock", "probe", "report", *_FOLDERS)
+        used = ("run.", "task.", "ledger", "lock", "probe", "report", "hint", *_FOLDERS)
         for name in self.files.names():
             if name.startswith(used) or name.endswith(".partial"):
                 self.files.kind(name)
@@ -148,7 +154,7 @@ class RunFolder:
         """
         if self.files.is_file(self.manifest.name) or self.files.is_file(self.ledger.name):
             return
-        begun = (self._lock.name, self._probe.name)
+        begun = (self._lock.name, self._probe.name, self.hint.name)
         for name in self.files.names():
             if name.startswith(".") or name in begun:
                 continue

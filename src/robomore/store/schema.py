@@ -121,8 +121,15 @@ def check_numbers(evaluation: Evaluation) -> None:
         return
     if len(given) < len(numbers) or evaluation.volume is None:
         raise ValueError("it says ok without fitness, volume and efficiency")
-    if not 1 / _LARGEST <= evaluation.volume <= _LARGEST:
-        raise ValueError(f"its volume is {evaluation.volume:g} m^3, which no robot has")
+    for name, divisor in (
+        ("volume", evaluation.volume),
+        ("mass", evaluation.body.get("mass", 1.0)),
+        ("energy", evaluation.energy or 1.0),
+    ):
+        if not 1 / _LARGEST <= divisor <= _LARGEST:
+            raise ValueError(f"its {name} is {divisor:g}, which no robot has")
+    given += [*evaluation.episode_fitness, *evaluation.body.values()]
+    given += [*evaluation.behaviour.values(), evaluation.seconds]
     if any(abs(number) > _LARGEST for number in given):
         raise ValueError(f"it has a number beyond {_LARGEST:g}, which none can be")
 
@@ -153,6 +160,10 @@ def _exchange(key: str, body: bytes) -> None:
 
 def _event(seq: int, kind: str, body: bytes) -> None:
     facts = msgspec.json.decode(body, type=dict[str, Any])
+    if kind == "hint":
+        found = msgspec.json.decode(body, type=dict[str, str])
+        if set(found) != {"slot", "hint"}:
+            raise ValueError("a hint without slot or text")
     if kind == "cut":
         msgspec.convert(facts, Cut)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from statistics import fmean
 
 from robomore.search import METHODS
+from robomore.studies.retraining import GIVEN
 from robomore.studies.scores import aggregate_table, curve_figures, found_table, interval_figure
 from robomore.studies.study import Arm, Draw, Results, Study
 from robomore.studies.table import Table
@@ -13,8 +14,9 @@ SLIM = "slim-reference"
 
 
 def _arms() -> tuple[Arm, ...]:
-    """Return every method of this installation; the presets' own keeps their options for it."""
-    return tuple(Arm(name, {} if name == "robomore" else {"method": name}) for name in METHODS)
+    """Return every method that searches; the presets' own keeps their options for it."""
+    names = [name for name in METHODS if name != GIVEN]
+    return tuple(Arm(name, {} if name == "robomore" else {"method": name}) for name in names)
 
 
 def _slim(results: Results) -> dict[str, float]:

@@ -1,20 +1,26 @@
-"""Runs the cells of a study one after the other, and writes what they show."""
+"""Runs the cells of a study, one after the other or side by side, and writes what they show."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from robomore.designers import LanguageModel, Replay
-from robomore.errors import InputError, NothingTrained, RunFolderError
+from robomore.errors import InputError, Interrupted, NothingTrained, RunFolderError
 from robomore.events import Observer, ignore
+from robomore.executors import EXECUTORS, Executor, thread_map
 from robomore.experiment import run
+from robomore.experiment.run import available_cores
 from robomore.options import with_options
 from robomore.runs import Run, load_run
 from robomore.search import METHODS, make_method
 from robomore.settings import from_options
 from robomore.studies.presets import Scale
+from robomore.studies.remeasured import remeasure
+from robomore.studies.retraining import retraining
 from robomore.studies.study import Arm, Cell, Results, Study
 from robomore.tasks import get_task
 
@@ -49,13 +55,18 @@ def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> li
         if all(whole != other for other, _ in arms):
             arms.append((whole, arm))
     found = []
+    asked = tasks or study.tasks
     for seed in range(seeds):
-        for task in dict.fromkeys(tasks or study.tasks):
+        searched: dict[str, Cell] = {}
+        for task in dict.fromkeys((study.searched, *asked) if study.searched else asked):
             get_task(task)
             for _, arm in arms:
                 settings = arm.settings(plain)
                 make_method(settings.method)
-                found.append(Cell(task, arm, seed, settings, budget))
+                cell = Cell(task, arm, seed, settings, budget, searched.get(arm.name))
+                found.append(cell)
+                if task == study.searched:
+                    searched[arm.name] = cell
     return found
 
 
@@ -65,9 +76,10 @@ def run_study(
     out: Path,
     *,
     designer: str | LanguageModel | Replay | None = None,
-    executor: str = "processes",
+    executor: str | Executor = "processes",
     workers: int | None = None,
     containment: str | None = None,
+    side_by_side: int = 1,
     tell: Callable[[int, Cell], Observer] = lambda index, cell: ignore,
 ) -> Results:
     """Run what is missing of a study; tables and figures are written at the end.
@@ -77,42 +89,69 @@ def run_study(
         cells: of the study (`cells_of`).
         out: its folder.
         designer: who proposes in the arms whose methods ask one.
-        executor: where evaluations run.
+        executor: where evaluations run, see `robomore.run`. All cells share it.
         workers: evaluations side by side.
         containment: `strict` or `relaxed`, see `robomore.run`.
+        side_by_side: cells that run at the same time. They fill each other's gaps: a search waits
+            at the end of each of its batches, and one cell alone keeps only a few workers busy.
+            The numbers do not depend on it. The executor must take calls from several threads.
         tell: is called before each cell, and returns who observes its run.
 
     Raises:
         InputError: something asked for cannot be done.
         RunFolderError: a cell's folder holds another run.
+        NothingTrained: a design that was to be trained in other tasks was not found.
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
-    done = []
-    for index, cell in enumerate(cells):
-        folder = out / cell.folder
-        observe = tell(index, cell)
-        found = _finished(cell, folder)
-        if found is None:
-            asks = make_method(cell.settings.method).needs_designer
-            try:
-                found = run(
-                    cell.task,
-                    cell.settings,
-                    designer=designer if asks else None,
-                    seed=cell.seed,
-                    executor=executor,
-                    workers=workers,
-                    out=folder,
-                    budget_steps=cell.budget_steps,
-                    containment=containment,
-                    observe=observe,
-                    name=f"{study.name}-{cell.arm.name}",
-                )
-            except NothingTrained:
-                # Its ledger tells why; the tables tell how many runs found something.
-                found = load_run(folder)
-        done.append((cell, found))
-    results = Results(tuple(done))
+    with ExitStack() as stack:
+        if isinstance(executor, str):
+            make = EXECUTORS.get(executor)
+            executor = stack.enter_context(closing(make(workers or available_cores())))
+
+        def done(index: int, cell: Cell, executor: Executor) -> tuple[Cell, Run]:
+            cell = retraining(cell, searches) if cell.retrains else cell
+            folder = out / cell.folder
+            observe = tell(index, cell)
+            found = _finished(cell, folder)
+            if found is None:
+                asks = make_method(cell.settings.method).needs_designer
+                try:
+                    found = run(
+                        cell.task,
+                        cell.settings,
+                        designer=designer if asks else None,
+                        seed=cell.seed,
+                        executor=executor,
+                        out=folder,
+                        budget_steps=cell.budget_steps,
+                        containment=containment,
+                        observe=observe,
+                        name=f"{study.name}-{cell.arm.name}",
+                    )
+                except NothingTrained:
+                    # Its ledger tells why; the tables tell how many runs found something.
+                    found = load_run(folder)
+            return cell, found
+
+        def all_of(chosen: Callable[[Cell], bool]) -> list[tuple[Cell, Run]]:
+            calls = [
+                partial(done, index, cell, executor)
+                for index, cell in enumerate(cells)
+                if chosen(cell)
+            ]
+            return thread_map(side_by_side)(calls)
+
+        searches: list[tuple[Cell, Run]] = []
+        try:
+            searches = all_of(lambda cell: cell.retrains is None)
+            again = all_of(lambda cell: cell.retrains is not None)
+        except KeyboardInterrupt:
+            raise Interrupted(
+                f"stopped; what is finished is kept in {out}, and the same command goes on"
+            ) from None
+    order = {cell.folder: index for index, cell in enumerate(cells)}
+    ended = sorted(searches + again, key=lambda one: order[one[0].folder])
+    results = Results(tuple(ended), remeasure((run for _, run in ended), out))
     write_results(study, results, out)
     return results
 

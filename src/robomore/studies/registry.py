@@ -20,6 +20,9 @@ STUDIES: Registry[Study] = Registry(
         "diversity": "robomore.studies.diversity:DIVERSITY",
         "heatmaps": "robomore.studies.heatmaps:HEATMAPS",
         "transfer": "robomore.studies.transfer:TRANSFER",
+        "motivation": "robomore.studies.motivation:MOTIVATION",
+        "robustness-gear": "robomore.studies.robustness:ROBUSTNESS_GEAR",
+        "robustness-terrain": "robomore.studies.robustness:ROBUSTNESS_TERRAIN",
     },
     _fault,
 )

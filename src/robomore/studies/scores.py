@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from statistics import fmean
 
-from robomore.runs.progress import progress
+from robomore.runs.progress import Point, progress
 from robomore.runs.words import label, unit_of
 from robomore.statistics import (
     interquartile_mean,
@@ -15,6 +15,7 @@ from robomore.statistics import (
     stratified_interval,
 )
 from robomore.statistics.spread import FEWEST
+from robomore.studies.remeasured import incumbents
 from robomore.studies.study import Draw, Results
 from robomore.studies.table import Entry, Table
 from robomore.visualize.studies import curves, intervals
@@ -47,17 +48,17 @@ def found_table(results: Results) -> Table:
                 )
             )
         rows.append((task, "(human design)", results.reference(task), *[None] * 7))
-    unit = unit_of(results.objective) or "no unit"
+    unit = unit_of(results.objective, results.fitness_unit) or "no unit"
     return Table(
         "found",
-        f"What each search found, trained anew: {label(results.objective)}",
+        f"What each search found, trained anew: {label(results.objective, results.fitness_unit)}",
         (
             "task",
             "arm",
             f"mean ({unit})",
             f"lowest run ({unit})",
             f"highest run ({unit})",
-            "fitness (m)",
+            label("fitness", results.fitness_unit),
             "volume (m³)",
             "runs",
             "search steps",
@@ -110,13 +111,13 @@ def aggregate_table(results: Results, name: str, base: str, bases: Mapping[str, 
 
 
 def curve_figures(results: Results) -> dict[str, Draw]:
-    """Return a figure for each task: the best so far over the budget, the mean of each arm."""
+    """Return a figure for each task: the best so far over the budget, measured again, as means."""
     found: dict[str, Draw] = {}
     for task in results.tasks:
         lines = {arm: line for arm in results.arms if (line := _curve(results, task, arm))}
         ends = {arm: fmean(s) for arm in lines if (s := results.scores(task, arm))}
         if lines:
-            draw = partial(curves, lines, ends, label(results.objective))
+            draw = partial(curves, lines, ends, label(results.objective, results.fitness_unit))
             found[f"curves-{task}"] = draw
     return found
 
@@ -137,15 +138,25 @@ def interval_figure(results: Results, bases: Mapping[str, float], base: str) -> 
 
 
 def _curve(results: Results, task: str, arm: str) -> list[tuple[float, float]]:
-    """Return (control steps, mean best so far) of the runs, from where all of them have one."""
-    runs = [points for run in results.runs(task, arm) if (points := progress(run))]
+    """Return (control steps, mean best so far) of the runs, from where all of them have one.
+
+    The best so far is what the search took for it, measured again: it may go down.
+    """
+    runs = [
+        (points, progress(run)) for run in results.runs(task, arm) if (points := incumbents(run))
+    ]
     if not runs:
         return []
-    begin = max(points[0].steps for points in runs)
-    end = max(points[-1].steps for points in runs)
+    begin = max(points[0].steps for points, _ in runs)
+    end = max(whole[-1].steps for _, whole in runs)
     line = []
     for number in range(POINTS):
         steps = begin + (end - begin) * number / (POINTS - 1)
-        best = [[p.best for p in points if p.steps <= steps][-1] for points in runs]
-        line.append((steps, fmean(best)))
+        best = [[p for p in points if p.steps <= steps][-1] for points, _ in runs]
+        line.append((steps, fmean(_again(results, point) for point in best)))
     return line
+
+
+def _again(results: Results, point: Point) -> float:
+    # Without a policy, as for a run that trained nothing, there is what the search saw.
+    return results.again.get(point.record.evaluation.key, point.score)

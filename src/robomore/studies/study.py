@@ -47,6 +47,7 @@ class Cell:
         seed: of the run.
         settings: of the run.
         budget_steps: control steps that its search may use, the same for every arm.
+        retrains: the cell whose answer is trained here, and nothing searched; `None` for a search.
     """
 
     task: str
@@ -54,6 +55,7 @@ class Cell:
     seed: int
     settings: RunSettings
     budget_steps: int
+    retrains: Cell | None = None
 
     @property
     def folder(self) -> Path:
@@ -67,9 +69,12 @@ class Results:
 
     Attributes:
         cells: each cell with its run, which may have found nothing.
+        again: scores of designs that were once the best so far of a search, by the evaluation's
+            key, measured again (`robomore.studies.remeasured`).
     """
 
     cells: tuple[tuple[Cell, Run], ...]
+    again: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -80,6 +85,12 @@ class Results:
     def arms(self) -> tuple[str, ...]:
         """Names of the arms in their order."""
         return tuple(dict.fromkeys(cell.arm.name for cell, _ in self.cells))
+
+    @property
+    def fitness_unit(self) -> str:
+        """Unit of the tasks' fitness; empty where they have none, or not the same one."""
+        units = {run.fitness_unit for run in self.runs()}
+        return units.pop() if len(units) == 1 else ""
 
     @property
     def objective(self) -> str:
@@ -122,6 +133,8 @@ class Study:
         figures: likewise, by name.
         tasks: that are used if none are named.
         change: of the preset's settings, before an arm's own.
+        searched: the task whose search gives the design that is trained in all other tasks; empty
+            for a search in each of them.
     """
 
     name: str
@@ -131,3 +144,4 @@ class Study:
     figures: Callable[[Results], dict[str, Draw]] = lambda results: {}
     tasks: tuple[str, ...] = ("swimmer",)
     change: Mapping[str, Any] = field(default_factory=dict)
+    searched: str = ""

@@ -35,7 +35,7 @@ def _tables(results: Results) -> list[Table]:
                     f"{sum(wins)} of {len(wins)}",
                 )
             )
-    unit = unit_of(results.objective) or "no unit"
+    unit = unit_of(results.objective, results.fitness_unit) or "no unit"
     columns = ("task", "pair", f"mean ({unit})", f"lowest run ({unit})", f"highest run ({unit})")
     return [
         Table(

@@ -8,19 +8,26 @@ need no simulator; `robomore.envs.compile` turns parameters into a MuJoCo model.
 
 from __future__ import annotations
 
+from robomore.tasks.fitness import Fitness
 from robomore.tasks.geometry import Capsule, Shape, Sphere
+from robomore.tasks.measures import MEASURES, FitnessMeasure
 from robomore.tasks.registry import TASKS, get_task
 from robomore.tasks.task import Parameter, Rule, Task, Terrain, Values
+from robomore.tasks.trajectory import Trajectory
 
 __all__ = [
+    "MEASURES",
     "TASKS",
     "Capsule",
+    "Fitness",
+    "FitnessMeasure",
     "Parameter",
     "Rule",
     "Shape",
     "Sphere",
     "Task",
     "Terrain",
+    "Trajectory",
     "Values",
     "get_task",
 ]

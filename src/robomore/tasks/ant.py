@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from robomore.tasks.geometry import Capsule, Shape, Sphere
+from robomore.tasks.geometry import LEAST_LENGTH
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
 from robomore.tasks.terrain import DESERT, on_terrain
@@ -26,7 +26,7 @@ HIGHEST_TORSO = 2.3
 """Ant counts as out of control when its torso is higher than this, in m."""
 
 LEAST_SHARE = 0.3
-"""The first and third segment of a leg are at least this fraction of the second one's length.
+"""The first and third segment that samplers draw are at least this fraction of the second one.
 
 Where the second one dwarfs both, its motor whirls a robot that weighs almost nothing elsewhere, up
 to rates that the fixed time step cannot follow. Of 973 thin random robots of Ant-Powered, driven by
@@ -60,14 +60,6 @@ JUMP_REWARD = '''def _get_rew(self, x_velocity, action):
 def start_height(values: Values) -> float:
     """Return the torso's height when an episode starts, in m, before reset noise."""
     return _length(values, "foot") + START_CLEARANCE
-
-
-def _shapes(values: Values) -> tuple[Shape, ...]:
-    legs = (
-        Capsule(values[f"{part}_radius"], _length(values, part), 4)
-        for part in ("hip", "leg", "foot")
-    )
-    return (Sphere(values["torso_radius"]), *legs)
 
 
 def _length(values: Values, part: str) -> float:
@@ -113,12 +105,22 @@ def _out_of_proportion(values: Values) -> str | None:
     )
 
 
+def _no_length(values: Values) -> str | None:
+    none = [
+        f"{part}_x = {values[f'{part}_x']:g} m and {part}_y = {values[f'{part}_y']:g} m make a "
+        f"{part} segment without any length"
+        for part in ("hip", "leg", "foot")
+        if _length(values, part) < LEAST_LENGTH
+    ]
+    return "; ".join(none) or None
+
+
 def _position(name: str, reference: float, high: float, meaning: str) -> Parameter:
-    return Parameter(name, 0.01, high, reference, meaning, scale="log")
+    return Parameter(name, -3.0, 3.0, reference, meaning, scale="log", search=(0.01, high))
 
 
 def _radius(name: str, reference: float, high: float, meaning: str) -> Parameter:
-    return Parameter(name, 0.005, high, reference, meaning, scale="log")
+    return Parameter(name, 0.005, 1.0, reference, meaning, scale="log", search=(0.005, high))
 
 
 ANT = Task(
@@ -147,25 +149,26 @@ ANT = Task(
         _radius("leg_radius", 0.08, 0.25, "radius of each leg's second segment"),
         _radius("foot_radius", 0.08, 0.25, "radius of each leg's third segment"),
     ),
-    rules=(
+    rules=(Rule("each segment of a leg must have a length", _no_length),),
+    search_rules=(
         Rule(
-            f"the torso must start at least {LOWEST_TORSO + RESET_NOISE:g} m above the ground: "
+            f"the torso starts at least {LOWEST_TORSO + RESET_NOISE:g} m above the ground: "
             f"sqrt(foot_x^2 + foot_y^2) + {START_CLEARANCE:g} >= {LOWEST_TORSO + RESET_NOISE:g}",
             _starts_too_low,
         ),
         Rule(
-            "no part may reach into the ground at the start: each radius <= "
+            "no part reaches into the ground at the start: each radius <= "
             f"sqrt(foot_x^2 + foot_y^2) + {START_CLEARANCE - RESET_NOISE:g}",
             _starts_in_ground,
         ),
         Rule(
-            "the first and third segment of a leg must each be at least "
+            "the first and third segment of a leg are each at least "
             f"{LEAST_SHARE:g} times as long as the second: sqrt(hip_x^2 + hip_y^2) and "
             f"sqrt(foot_x^2 + foot_y^2) >= {LEAST_SHARE:g} * sqrt(leg_x^2 + leg_y^2)",
             _out_of_proportion,
         ),
     ),
-    shapes=_shapes,
+    version=2,
     reward=ANT_REWARD,
     environment="robomore.envs.robots.ant:AntEnvironment",
     options=lambda values: {"healthy_z_range": (LOWEST_TORSO, HIGHEST_TORSO)},

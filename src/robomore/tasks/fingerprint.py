@@ -15,8 +15,9 @@ from collections.abc import Callable
 from typing import Any
 
 from robomore.identity import content_key
+from robomore.tasks.fitness import Fitness, Term
 from robomore.tasks.own_source import own_source
-from robomore.tasks.task import Task, Values
+from robomore.tasks.task import Rule, Task, Values
 
 PROBES = 16
 """Random parameters, besides the reference, that a task's functions are called with."""
@@ -55,25 +56,51 @@ class _Same:
 def _fingerprint(same: _Same) -> dict[str, str]:
     task = same.task
     probes = [dict(zip(task.names, task.reference, strict=True)), *_probes(task)]
-    functions = [task.options, task.shapes, *(rule.violation for rule in task.rules)]
+    rules = (*task.rules, *task.search_rules)
+    measured = [term.measure.function for term in task.goal.terms]
+    functions = [task.options, task.shapes, *(rule.violation for rule in rules), *measured]
     modules = {getattr(function, "__module__", None) or "" for function in functions}
     parts: dict[str, Any] = {
         "template": task.template,
         "parameters": [dataclasses.asdict(one) for one in task.parameters],
         "constants": sorted((name, repr(value)) for name, value in task.constants.items()),
         "options": _results(task.options, probes),
-        "rules": [[rule.text, _results(rule.violation, probes)] for rule in task.rules],
-        "shapes": _results(lambda values: [one.volume for one in task.shapes(values)], probes),
+        "rules": [_rule(rule, probes) for rule in task.rules],
+        "search rules": [_rule(rule, probes) for rule in task.search_rules],
+        "shapes": _results(lambda values: [one.volume for one in task.solids(values)], probes),
         "reward": task.reward,
         "environment": [task.environment, own_source(task.environment.partition(":")[0])],
         "code": [own_source(module) for module in sorted(modules)],
-        "fitness": task.fitness,
+        "fitness": _fitness(task.goal),
         "terrain": dataclasses.asdict(task.terrain) if task.terrain else None,
         "episode": task.episode_steps,
         "description": task.description,
         "version": task.version,
     }
+    if task.assets or task.mass:
+        sums = [[name, hashlib.sha256(data).hexdigest()] for name, data in task.assets.items()]
+        parts["assets"] = [sorted(sums), sorted(task.mesh_volumes.items()), task.mass]
     return {name: content_key(part)[:_HEX_DIGITS] for name, part in parts.items()}
+
+
+def _fitness(fitness: Fitness) -> list[Any]:
+    terms = [
+        [term.name, term.weight, _plain(dict(term.options)), term.measure.unit, _bound(term)]
+        for term in fitness.terms
+    ]
+    return [terms, fitness.unit, fitness.meaning]
+
+
+def _bound(term: Term) -> list[Any]:
+    """Return the values that a function of the task's author carries besides its module's text."""
+    function: Any = term.measure.function if term.own else None
+    cells = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
+    kept = [getattr(function, name, None) for name in ("args", "keywords", "__defaults__")]
+    return [getattr(function, "__qualname__", ""), *map(_plain, [*cells, *kept])]
+
+
+def _rule(rule: Rule, probes: list[dict[str, float]]) -> list[Any]:
+    return [rule.text, _results(rule.violation, probes)]
 
 
 def _results(function: Callable[[Values], Any], probes: list[dict[str, float]]) -> list[Any]:

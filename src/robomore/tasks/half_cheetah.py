@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import accumulate
 
-from robomore.tasks.geometry import Capsule, Shape
+from robomore.tasks.geometry import LEAST_LENGTH
 from robomore.tasks.swimmer import SPEED_REWARD
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
@@ -18,7 +19,7 @@ MASS = 14.0
 """Of the whole robot in kg, whatever its volume (as in the template)."""
 
 LEAST_SEGMENT = 0.03
-"""Shortest head and leg segment, in m."""
+"""Shortest head and leg segment that samplers draw, in m."""
 
 REFERENCE_VECTORS = {
     "head": (0.229299, 0.193448),
@@ -40,23 +41,21 @@ def start_height(values: Values) -> float:
     return max(abs(sum(values[f"{leg}_{segment}_z"] for segment in SEGMENTS)) for leg in LEGS)
 
 
-def _shapes(values: Values) -> tuple[Shape, ...]:
-    torso = Capsule(values["torso_radius"], values["torso_front"] - values["torso_back"])
-    return (torso, *(Capsule(values[f"{p}_radius"], _length(values, p)) for p in ("head", *LIMBS)))
-
-
 def _length(values: Values, part: str) -> float:
     return math.hypot(values[f"{part}_x"], values[f"{part}_z"])
 
 
-def _too_short(values: Values) -> str | None:
-    wrong = [
-        f"{part}_x = {values[f'{part}_x']:g} m and {part}_z = {values[f'{part}_z']:g} m make a "
-        f"{part} of {_length(values, part):.4g} m, shorter than {LEAST_SEGMENT:g} m"
-        for part in ("head", *LIMBS)
-        if _length(values, part) < LEAST_SEGMENT
-    ]
-    return "; ".join(wrong) or None
+def _too_short(least: float) -> Callable[[Values], str | None]:
+    def violation(values: Values) -> str | None:
+        wrong = [
+            f"{part}_x = {values[f'{part}_x']:g} m and {part}_z = {values[f'{part}_z']:g} m make a "
+            f"{part} of {_length(values, part):.4g} m, shorter than {least:g} m"
+            for part in ("head", *LIMBS)
+            if _length(values, part) < least
+        ]
+        return "; ".join(wrong) or None
+
+    return violation
 
 
 def _starts_in_ground(values: Values) -> str | None:
@@ -97,8 +96,8 @@ def _too_thick(values: Values) -> str | None:
 def _vector(part: str, low: float, high: float, words: str) -> tuple[Parameter, Parameter]:
     x, z = REFERENCE_VECTORS[part]
     return (
-        Parameter(f"{part}_x", -1.0, 1.0, x, f"x {words}"),
-        Parameter(f"{part}_z", low, high, z, f"z {words}"),
+        Parameter(f"{part}_x", -2.5, 2.5, x, f"x {words}", search=(-1.0, 1.0)),
+        Parameter(f"{part}_z", -2.5, 2.5, z, f"z {words}", search=(low, high)),
     )
 
 
@@ -113,7 +112,14 @@ def _leg(leg: str) -> tuple[Parameter, ...]:
 
 def _radius(part: str) -> Parameter:
     words = f"radius of the {part.replace('_', ' ')}"
-    return Parameter(f"{part}_radius", 0.005, 0.2, REFERENCE_RADIUS, words, scale="log")
+    return Parameter(
+        f"{part}_radius", 0.005, 1.0, REFERENCE_RADIUS, words, scale="log", search=(0.005, 0.2)
+    )
+
+
+def _torso_end(name: str, low: float, high: float, reference: float, words: str) -> Parameter:
+    bounds = (-3.0, -LEAST_LENGTH) if high < 0 else (LEAST_LENGTH, 3.0)
+    return Parameter(name, *bounds, reference, words, search=(low, high))
 
 
 HALF_CHEETAH = Task(
@@ -130,28 +136,32 @@ HALF_CHEETAH = Task(
     fitness="distance",
     template=read_asset("half_cheetah.xml"),
     parameters=(
-        Parameter("torso_back", -1.5, -0.05, -0.5, "x of the torso's back end, the back hip"),
-        Parameter("torso_front", 0.05, 1.5, 0.5, "x of the torso's front end, the front hip"),
+        _torso_end("torso_back", -1.5, -0.05, -0.5, "x of the torso's back end, the back hip"),
+        _torso_end("torso_front", 0.05, 1.5, 0.5, "x of the torso's front end, the front hip"),
         *_vector("head", -1.0, 1.0, "from the torso's front end to the head's end"),
         *_leg("back"),
         *_leg("front"),
         *map(_radius, ("torso", "head", *LIMBS)),
     ),
-    rules=(
-        Rule(f"head and leg segments must each be at least {LEAST_SEGMENT:g} m long", _too_short),
+    rules=(Rule("head and leg segments must each have a length", _too_short(LEAST_LENGTH)),),
+    search_rules=(
         Rule(
-            "each leg must end below the torso: the z of its thigh, shin and foot add up to less "
+            f"head and leg segments are each at least {LEAST_SEGMENT:g} m long",
+            _too_short(LEAST_SEGMENT),
+        ),
+        Rule(
+            "each leg ends below the torso: the z of its thigh, shin and foot add up to less "
             "than 0",
             _legs_upward,
         ),
         Rule(
-            "no joint and no end may start below the ground, which is as far below the torso as "
+            "no joint and no end starts below the ground, which is as far below the torso as "
             "the longer leg reaches: max |thigh_z + shin_z + foot_z| over the two legs",
             _starts_in_ground,
         ),
-        Rule("no radius may be larger than the torso's start height", _too_thick),
+        Rule("no radius is larger than the torso's start height", _too_thick),
     ),
-    shapes=_shapes,
+    version=2,
     reward=SPEED_REWARD,
     environment="robomore.envs.robots.half_cheetah:HalfCheetahEnvironment",
     constants={"pi": math.pi},

@@ -7,15 +7,15 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
-from robomore.tasks.geometry import Capsule, Shape
+from robomore.tasks.geometry import LEAST_LENGTH
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
 
 LEAST_SEGMENT = 0.05
-"""Shortest torso, thigh and leg, in m: shorter ones have no inertia worth simulating."""
+"""Shortest torso, thigh and leg that samplers draw, in m."""
 
 LEAST_FOOT = 0.02
-"""Shortest foot between the centres of its ends, in m."""
+"""Shortest foot between the centres of its ends that samplers draw, in m."""
 
 LOWEST_TORSO = 0.56
 """The robot counts as fallen below this fraction of its torso's height at rest: 0.7 m for the
@@ -50,32 +50,29 @@ def rest_height(values: Values) -> float:
     return (values["torso_top"] + values["hip_height"]) / 2
 
 
-def shapes(values: Values, legs: int) -> tuple[Shape, ...]:
-    """Return the solids of a robot with `legs` equal legs."""
-    return (
-        Capsule(values["torso_radius"], values["torso_top"] - values["hip_height"]),
-        Capsule(values["thigh_radius"], values["hip_height"] - values["knee_height"], legs),
-        Capsule(values["leg_radius"], values["knee_height"] - values["ankle_height"], legs),
-        Capsule(values["foot_radius"], values["foot_front"] - values["foot_back"], legs),
-    )
-
-
 def parameters(foot_back: float, foot_front: float, foot_note: str = "") -> tuple[Parameter, ...]:
     """Return the free dimensions of Hopper and Walker, which differ in the official foot alone."""
 
     def height(name: str, low: float, high: float, reference: float, meaning: str) -> Parameter:
-        return Parameter(name, low, high, reference, meaning + ", standing upright", scale="log")
+        meaning += ", standing upright"
+        return Parameter(name, 0.0, 5.0, reference, meaning, scale="log", search=(low, high))
+
+    def foot(end: str, low: float, high: float, reference: float) -> Parameter:
+        # Either end may come first, and both may lie on one side of the ankle.
+        meaning = f"x of the foot's {end} end from the ankle"
+        return Parameter(f"foot_{end}", -3.0, 3.0, reference, meaning, search=(low, high))
 
     def radius(name: str, reference: float, meaning: str) -> Parameter:
-        return Parameter(name, 0.005, 0.25, reference, f"radius of {meaning}", scale="log")
+        meaning = f"radius of {meaning}"
+        return Parameter(name, 0.005, 1.0, reference, meaning, scale="log", search=(0.005, 0.25))
 
     return (
         height("torso_top", 0.17, 3.0, 1.45, "height of the torso's upper end above the ground"),
         height("hip_height", 0.12, 2.9, 1.05, "height of the torso's lower end, the hip"),
         height("knee_height", 0.06, 2.5, 0.6, "height of the knee"),
         height("ankle_height", 0.005, 2.0, 0.1, "height of the ankle and of the foot's axis"),
-        Parameter("foot_back", -1.0, 0.0, foot_back, "x of the foot's rear end from the ankle"),
-        Parameter("foot_front", 0.0, 1.0, foot_front, "x of the foot's front end from the ankle"),
+        foot("back", -1.0, 0.0, foot_back),
+        foot("front", 0.0, 1.0, foot_front),
         radius("torso_radius", 0.05, "the torso"),
         radius("thigh_radius", 0.05, "the thigh" + foot_note),
         radius("leg_radius", 0.04, "the leg below the knee" + foot_note),
@@ -83,14 +80,26 @@ def parameters(foot_back: float, foot_front: float, foot_note: str = "") -> tupl
     )
 
 
-def _out_of_order(values: Values) -> str | None:
-    wrong = [
-        f"{upper} = {values[upper]:g} m is not at least {LEAST_SEGMENT:g} m above "
-        f"{lower} = {values[lower]:g} m"
-        for upper, lower in pairwise(HEIGHTS)
-        if values[upper] - values[lower] < LEAST_SEGMENT
-    ]
-    return "; ".join(wrong) or None
+def _out_of_order(least: float) -> Callable[[Values], str | None]:
+    def violation(values: Values) -> str | None:
+        wrong = [
+            f"{upper} = {values[upper]:g} m is not at least {least:g} m above "
+            f"{lower} = {values[lower]:g} m"
+            for upper, lower in pairwise(HEIGHTS)
+            if values[upper] - values[lower] < least
+        ]
+        return "; ".join(wrong) or None
+
+    return violation
+
+
+def _no_foot(values: Values) -> str | None:
+    if abs(values["foot_front"] - values["foot_back"]) >= LEAST_LENGTH:
+        return None
+    return (
+        f"foot_back = {values['foot_back']:g} m and foot_front = {values['foot_front']:g} m are "
+        "the same point"
+    )
 
 
 def _foot_too_short(values: Values) -> str | None:
@@ -135,20 +144,28 @@ def _overlap(values: Values) -> str | None:
     return "; ".join(faults) or None
 
 
+RULES = (
+    # Its volume is defined for a robot that stands on its foot, torso uppermost. Of two equal
+    # heights MuJoCo makes no capsule.
+    Rule("torso_top > hip_height > knee_height > ankle_height", _out_of_order(LEAST_LENGTH)),
+    Rule("foot_front and foot_back must differ", _no_foot),
+)
+"""What a robot of this family must keep to; Walker shares them.
+
+All else simulates: 30 published Hoppers and Walkers, and random ones with parts inside the ground
+or inside one another (docs/differences.md).
+"""
+
 STANDING_RULES = (
-    Rule(
-        "torso_top > hip_height > knee_height > ankle_height, each at least "
-        f"{LEAST_SEGMENT:g} m above the next",
-        _out_of_order,
-    ),
+    Rule(f"torso, thigh and leg at least {LEAST_SEGMENT:g} m long", _out_of_order(LEAST_SEGMENT)),
     Rule(f"foot_front - foot_back >= {LEAST_FOOT:g} m", _foot_too_short),
     Rule(
-        "no part may reach into the ground at the start: "
+        "no part reaches into the ground at the start: "
         + ", ".join(f"{radius} <= {height}" for radius, height in LOWEST_POINTS.items()),
         _starts_in_ground,
     ),
 )
-"""What makes a robot stand; Walker shares them."""
+"""What samplers keep to; Walker shares them."""
 
 
 def health(values: Values) -> dict[str, Any]:
@@ -157,10 +174,6 @@ def health(values: Values) -> dict[str, Any]:
         "healthy_z_range": (LOWEST_TORSO * rest_height(values), math.inf),
         "healthy_angle_range": (-LARGEST_ANGLE, LARGEST_ANGLE),
     }
-
-
-def _shapes_of(legs: int) -> Callable[[Values], tuple[Shape, ...]]:
-    return lambda values: shapes(values, legs)
 
 
 HOPPER = Task(
@@ -176,16 +189,17 @@ HOPPER = Task(
     fitness="distance",
     template=read_asset("hopper.xml"),
     parameters=parameters(foot_back=-0.13, foot_front=0.26),
-    rules=(
+    rules=RULES,
+    search_rules=(
         *STANDING_RULES,
         Rule(
-            "parts that are no neighbours must not overlap at the start: hip_height - knee_height "
+            "parts that are no neighbours do not overlap at the start: hip_height - knee_height "
             ">= torso_radius + leg_radius, and knee_height - ankle_height >= thigh_radius + "
             "foot_radius",
             _overlap,
         ),
     ),
-    shapes=_shapes_of(legs=1),
+    version=2,
     reward=REWARD,
     environment="robomore.envs.robots.hopper:HopperEnvironment",
     options=lambda values: {**health(values), "healthy_state_range": (-100.0, 100.0)},

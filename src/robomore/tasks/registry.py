@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from robomore.errors import InputError
 from robomore.registry import Registry
 from robomore.tasks.ant import ANT, ANT_DESERT, ANT_JUMP, ANT_POWERED
 from robomore.tasks.half_cheetah import HALF_CHEETAH
 from robomore.tasks.hopper import HOPPER
+from robomore.tasks.portable import task_from_content
 from robomore.tasks.swimmer import SWIMMER
 from robomore.tasks.task import Task
+from robomore.tasks.variants import VARIANTS
 from robomore.tasks.walker import WALKER
 
 
@@ -17,6 +22,9 @@ def _fault(name: str, found: object) -> str:
     return "" if found.id == name else f"has the id {found.id!r}; give it the name of its entry"
 
 
+SUFFIX = ".toml"
+"""How the name of a task file ends."""
+
 PAPER_TASKS = (ANT, ANT_POWERED, ANT_DESERT, ANT_JUMP, HOPPER, HALF_CHEETAH, SWIMMER, WALKER)
 
 TASKS: Registry[Task] = Registry(
@@ -25,10 +33,45 @@ TASKS: Registry[Task] = Registry(
 """Tasks by id. The entry-point group is `robomore.tasks`; each entry names a `Task` by its id."""
 
 
+_FROM_FILES: dict[str, Task] = {}
+"""Tasks that were read from files in this process, by id."""
+
+
 def get_task(id: str) -> Task:
-    """Return a task by its id.
+    """Return a task by its id, of a side study too (`robomore.tasks.variants`), or by its file.
+
+    The path of a task file ends in `.toml`.
 
     Raises:
-        InputError: there is no such task, or the package that adds it is broken.
+        InputError: there is no such task, or its file or the package that adds it is faulty.
     """
-    return TASKS.get(id)
+    if id in _FROM_FILES:
+        return _FROM_FILES[id]
+    if not id.endswith(SUFFIX):
+        return VARIANTS.get(id) or TASKS.get(id)
+    from robomore.importer.task_file import read_task
+
+    return remember(read_task(Path(id)))
+
+
+def carried_task(id: str, content: bytes) -> Task:
+    """Return the task that travels with a request, or the installed one of that id.
+
+    Raises:
+        InputError: as `get_task`, or the content is damaged.
+    """
+    return task_from_content(content) if content else get_task(id)
+
+
+def remember(task: Task) -> Task:
+    """Make a task that came from a file known by its id in this process; returns it.
+
+    Raises:
+        InputError: a task of an installed package has this id.
+    """
+    if task.id in TASKS:
+        raise InputError(
+            f"the task file calls its task {task.id!r}, which is the id of another one; rename it"
+        )
+    _FROM_FILES[task.id] = task
+    return task

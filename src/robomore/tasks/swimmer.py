@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from robomore.tasks.geometry import Capsule, Shape
+from robomore.tasks.geometry import LEAST_LENGTH
 from robomore.tasks.task import Parameter, Rule, Task, Values
 from robomore.tasks.template import read_asset
 
 LINKS = ("front", "middle", "back")
 
 THINNEST = 0.01
-"""Smallest radius in m, for links long enough."""
+"""Smallest radius in m that samplers draw, for links long enough."""
 
 THICK_ENOUGH = 0.03
-"""Radius in m with which links of any allowed length can be simulated."""
+"""Radius in m with which samplers draw links of any length."""
 
 SLENDER = 0.017
-"""Radius times shortest length that can be simulated in between, in m^2."""
+"""Radius times shortest length that samplers draw in between, in m^2."""
 
 SPEED_REWARD = '''def _get_rew(self, x_velocity, action):
     """Forward speed less the cost of effort."""
@@ -27,16 +27,13 @@ SPEED_REWARD = '''def _get_rew(self, x_velocity, action):
 '''
 
 
-def _shapes(values: Values) -> tuple[Shape, ...]:
-    return tuple(Capsule(values[f"{link}_radius"], values[f"{link}_length"]) for link in LINKS)
-
-
 def least_radius(shortest: float) -> float:
-    """Return the smallest radius of a swimmer whose shortest link is `shortest` m long, in m.
+    """Return the smallest radius in m that samplers draw where the shortest link is `shortest` m.
 
     The fluid is four times as dense as the links. It stops a light link within a fraction of the
-    fixed time step, and the explicit integrator then throws the link back faster than it came. The
-    limit is the outcome of random swimmers driven by random torques; lighter ones diverge.
+    fixed time step, and the explicit integrator may then throw the link back faster than it came.
+    Below this limit some swimmers diverge when every motor changes sign in every control step.
+    Others swim (radii of 2 cm went 60 m), so that a short try decides and not this limit.
     """
     return min(THICK_ENOUGH, max(THINNEST, SLENDER / shortest))
 
@@ -60,12 +57,15 @@ def _too_light(values: Values) -> str | None:
 
 def _length(link: str) -> Parameter:
     meaning = f"length of the {link} link between the centres of its ends"
-    return Parameter(f"{link}_length", 0.1, 3.0, 1.0, meaning, scale="log")
+    return Parameter(
+        f"{link}_length", LEAST_LENGTH, 3.0, 1.0, meaning, scale="log", search=(0.1, 3.0)
+    )
 
 
 def _radius(link: str) -> Parameter:
+    meaning = f"radius of the {link} link"
     return Parameter(
-        f"{link}_radius", THINNEST, 0.3, 0.1, f"radius of the {link} link", scale="log"
+        f"{link}_radius", 0.005, 1.0, 0.1, meaning, scale="log", search=(THINNEST, 0.3)
     )
 
 
@@ -82,15 +82,14 @@ SWIMMER = Task(
     fitness="distance",
     template=read_asset("swimmer.xml"),
     parameters=(*map(_length, LINKS), *map(_radius, LINKS)),
-    rules=(
+    search_rules=(
         Rule(
-            "the fluid is denser than the links and must not stop a light link faster than can be "
-            f"simulated: each radius >= {SLENDER:g} m^2 / (shortest length), though a radius of "
+            f"each radius >= {SLENDER:g} m^2 / (shortest length), though a radius of "
             f"{THICK_ENOUGH:g} m always suffices",
             _too_light,
         ),
     ),
-    shapes=_shapes,
+    version=2,
     reward=SPEED_REWARD,
     environment="robomore.envs.robots.swimmer:SwimmerEnvironment",
     # A stroke takes seconds to pay: with 0.99 a policy settles for a quarter of the way.

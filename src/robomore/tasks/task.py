@@ -7,13 +7,18 @@ volume cost nothing and work on a machine without a simulator.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from robomore.errors import InvalidMorphology
+from robomore.errors import InputError, InvalidMorphology
+from robomore.tasks.fitness import Fitness, as_fitness
 from robomore.tasks.geometry import Shape
-from robomore.tasks.template import fill
+from robomore.tasks.solids import solids
+from robomore.tasks.template import fill, names_used
+
+_MESH_SCALE = re.compile(r'(<mesh\b[^>]*) scale="[^"]*\{[^"]*"')
 
 Values = Mapping[str, float]
 """Parameters by name."""
@@ -32,6 +37,8 @@ class Parameter:
         meaning: one line for designers and people.
         unit: SI unit.
         scale: how a search should step through the range; `log` for sizes that span decades.
+        search: lowest and highest value that samplers draw; `None` for all that is allowed. What a
+            designer or a person proposes is not held to it.
     """
 
     name: str
@@ -41,6 +48,7 @@ class Parameter:
     meaning: str
     unit: str = "m"
     scale: Literal["linear", "log"] = "linear"
+    search: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,36 +96,70 @@ class Task:
         version: raised when a change makes old results incomparable.
         title: name in reports.
         description: the task in words, shown to designers.
-        fitness: `distance` (forward distance of the torso over an episode, in m) or `height`
-            (highest torso height in an episode, in m).
+        fitness: what an episode is worth, the larger the better: the name of a measure
+            (`robomore.tasks.measures`), such as `distance` or `height`, or a `Fitness` of several
+            or of one's own. `goal` is the same as a `Fitness`.
         template: MJCF text whose `{...}` placeholders are arithmetic over parameter names and
             `constants`. The same text, unfilled, is what a designer sees.
         parameters: the free dimensions, in order.
-        rules: conditions between parameters.
-        shapes: the solids that make up the robot, for its volume.
+        rules: conditions between parameters that refuse what cannot be simulated.
+        search_rules: further conditions that samplers keep to, such as proportions that are worth
+            trying. What a designer or a person proposes is not held to them.
+        shapes: the solids that make up the robot, for its volume; `None` for those that the
+            template describes.
         reward: source of the reference reward, `_get_rew(self, x_velocity, action)`.
         environment: `module:Class` of the environment (loaded only when something is simulated).
         options: constructor options of the environment, some of which depend on the morphology.
         constants: fixed numbers that the template refers to (never parameters).
         terrain: height field to run on, or `None` for flat ground.
         episode_steps: control steps of a full episode.
+        assets: content of the mesh files that the template names, by name.
+        mesh_volumes: enclosed volume of each mesh in m^3 at scale 1, by name.
+        mass: how the robot's mass follows from its size, in words.
     """
 
     id: str
     title: str
     description: str
-    fitness: Literal["distance", "height"]
+    fitness: str | Fitness
     template: str
     parameters: tuple[Parameter, ...]
-    shapes: Callable[[Values], tuple[Shape, ...]]
     reward: str
     environment: str
+    shapes: Callable[[Values], tuple[Shape, ...]] | None = None
     options: Callable[[Values], dict[str, Any]] = field(default=lambda values: {})
     rules: tuple[Rule, ...] = ()
+    search_rules: tuple[Rule, ...] = ()
     constants: Mapping[str, float] = field(default_factory=dict)
     terrain: Terrain | None = None
     episode_steps: int = 1000
     version: int = 1
+    assets: Mapping[str, bytes] = field(default_factory=dict)
+    mesh_volumes: Mapping[str, float] = field(default_factory=dict)
+    mass: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse a fitness that is none, and a template with a name that nothing gives a value.
+
+        Raises:
+            InputError: naming the task and what may stand there.
+        """
+        known = {*self.names, *self.constants}
+        try:
+            as_fitness(self.fitness)
+            unknown = sorted(names_used(self.template) - known)
+        except (InputError, ValueError) as error:
+            raise InputError(f"{self.id}: {error}") from None
+        if unknown:
+            raise InputError(
+                f"{self.id}: its template uses {', '.join(map(repr, unknown))}, which is neither a "
+                f"parameter nor a constant; there are {', '.join(sorted(known)) or 'none'}"
+            )
+
+    @property
+    def goal(self) -> Fitness:
+        """What an episode is worth."""
+        return as_fitness(self.fitness)
 
     @property
     def reference(self) -> tuple[float, ...]:
@@ -154,13 +196,32 @@ class Task:
             raise InvalidMorphology(f"{self.id}: " + "; ".join(faults))
         return values
 
+    def searched(self) -> Task:
+        """Return the task as samplers see it: within the search ranges and the search rules.
+
+        Bounds wide enough for every idea of a designer would ruin a sampler: nearly all points
+        between them are robots that nobody would propose.
+        """
+        narrow = tuple(
+            replace(one, low=one.search[0], high=one.search[1], search=None) if one.search else one
+            for one in self.parameters
+        )
+        rules = (*self.rules, *self.search_rules)
+        return replace(self, parameters=narrow, rules=rules, search_rules=())
+
     def named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:
         """Return checked parameters by name."""
         return dict(zip(self.names, self.check(parameters), strict=True))
 
     def volume(self, parameters: Sequence[float] | Mapping[str, float]) -> float:
-        """Return the sum of the shapes' volumes in m^3, overlaps counted twice (the paper's V)."""
-        return sum(shape.volume for shape in self.shapes(self.named(parameters)))
+        """Return the sum of the shapes' volumes in m³, overlaps counted twice (the paper's V)."""
+        return sum(shape.volume for shape in self.solids(self.named(parameters)))
+
+    def solids(self, values: Values) -> tuple[Shape, ...]:
+        """Return the solids that make up the robot, for parameters by name, valid or not."""
+        if self.shapes is not None:
+            return self.shapes(values)
+        return solids(self.template, {**self.constants, **values}, self.mesh_volumes)
 
     def mjcf(self, parameters: Sequence[float] | Mapping[str, float]) -> str:
         """Return the MJCF text of one morphology, without a terrain's elevations."""
@@ -169,7 +230,9 @@ class Task:
     @property
     def masked_mjcf(self) -> str:
         """MJCF text as designers see it: parameters as placeholders, constants as numbers."""
-        return fill(self.template, dict(self.constants), keep=set(self.names))
+        text = fill(self.template, dict(self.constants), keep=set(self.names))
+        # How much a mesh is scaled tells how large it is in its file.
+        return _MESH_SCALE.sub(r'\1 scale="follows the parameters"', text)
 
     def _in_order(self, parameters: Sequence[float] | Mapping[str, float]) -> tuple[float, ...]:
         if isinstance(parameters, Mapping):

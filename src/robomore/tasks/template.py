@@ -21,7 +21,7 @@ _BINARY: dict[type, Callable[[float, float], float]] = {
     ast.Div: operator.truediv,
     ast.Pow: operator.pow,
 }
-_FUNCTIONS: dict[str, Callable[..., float]] = {
+FUNCTIONS: dict[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
     "abs": abs,
     "min": min,
@@ -48,32 +48,75 @@ def fill(template: str, values: Mapping[str, float], keep: Collection[str] = ())
     """
 
     def replace(match: re.Match[str]) -> str:
-        tree = ast.parse(match[1].strip(), mode="eval").body
+        tree = parse(match[1])
         if any(isinstance(node, ast.Name) and node.id in keep for node in ast.walk(tree)):
             return match[0]
         # repr keeps every digit, so the same parameters always give the same text.
-        return repr(float(_evaluate(tree, values)))
+        return repr(float(evaluate(tree, values)))
 
     return _PLACEHOLDER.sub(replace, template)
 
 
 def names_used(template: str) -> set[str]:
     """Return the names that the placeholders of `template` refer to."""
-    trees = (ast.parse(text.strip(), mode="eval") for text in _PLACEHOLDER.findall(template))
+    trees = (parse(text) for text in _PLACEHOLDER.findall(template))
     names = {node.id for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return names - set(_FUNCTIONS)
+    return names - set(FUNCTIONS)
 
 
-def _evaluate(node: ast.expr, values: Mapping[str, float]) -> float:
+def parse(expression: str) -> ast.expr:
+    """Return the syntax tree of what stands in braces.
+
+    Raises:
+        ValueError: it is no expression.
+    """
+    try:
+        return ast.parse(expression.strip(), mode="eval").body
+    except SyntaxError:
+        raise ValueError(f"{{{expression}}} in a template is no arithmetic") from None
+
+
+def check_arithmetic(node: ast.expr) -> None:
+    """Refuse an expression that is not plain arithmetic over names.
+
+    Raises:
+        ValueError: it is not.
+    """
+    match node:
+        case ast.Constant(value=int() | float()) | ast.Name():
+            return
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return check_arithmetic(operand)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
+            check_arithmetic(left)
+            return check_arithmetic(right)
+        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
+            for argument in args:
+                check_arithmetic(argument)
+            return
+    raise ValueError(f"not plain arithmetic in a template: {ast.unparse(node)}")
+
+
+def evaluate(node: ast.expr, values: Mapping[str, float]) -> float:
+    """Return the number that a placeholder stands for.
+
+    Args:
+        node: what `parse` returned.
+        values: numbers by name.
+
+    Raises:
+        KeyError: it uses a name that `values` lacks.
+        ValueError: it is not plain arithmetic.
+    """
     match node:
         case ast.Constant(value=int() | float() as number):
             return float(number)
         case ast.Name(id=name):
             return values[name]
         case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return -_evaluate(operand, values)
+            return -evaluate(operand, values)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-            return _BINARY[type(op)](_evaluate(left, values), _evaluate(right, values))
-        case ast.Call(func=ast.Name(id=name), args=args) if name in _FUNCTIONS:
-            return _FUNCTIONS[name](*(_evaluate(argument, values) for argument in args))
+            return _BINARY[type(op)](evaluate(left, values), evaluate(right, values))
+        case ast.Call(func=ast.Name(id=name), args=args) if name in FUNCTIONS:
+            return FUNCTIONS[name](*(evaluate(argument, values) for argument in args))
     raise ValueError(f"not plain arithmetic in a template: {ast.unparse(node)}")

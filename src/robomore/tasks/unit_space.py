@@ -1,4 +1,4 @@
-"""The unit cube of a task's parameters: each parameter on its own scale, stretched to [0, 1]."""
+"""The unit cube of a task's search ranges: each parameter on its own scale, stretched to [0, 1]."""
 
 from __future__ import annotations
 
@@ -21,11 +21,17 @@ class UnitSpace:
     """Maps parameter values to points of the unit cube and back.
 
     A parameter with a logarithmic scale is stretched logarithmically. So a step of one size doubles
-    such a parameter wherever it starts.
+    such a parameter wherever it starts. Values outside of their search range (a designer's, say)
+    count as the nearest ones within it.
+
+    Attributes:
+        task: the task within its search ranges and search rules.
+        size: number of parameters.
     """
 
     def __init__(self, task: Task) -> None:
-        self.task = task
+        self._whole = task
+        self.task = task = task.searched()
         self.size = len(task.parameters)
         self._low = np.array([parameter.low for parameter in task.parameters])
         self._high = np.array([parameter.high for parameter in task.parameters])
@@ -45,12 +51,12 @@ class UnitSpace:
         return np.clip(np.round(values, DECIMALS), self._low, self._high)
 
     def valid(self, values: Array) -> NDArray[np.bool_]:
-        """Return which rows (n,) of the parameter values (n, size) the task accepts."""
+        """Return which rows (n,) of the parameter values (n, size) a sampler may propose."""
         return np.array([self._accepts(row) for row in values.tolist()], dtype=bool)
 
     def volumes(self, values: Array) -> Array:
         """Return the volumes (n,) in m³ of valid parameter values (n, size)."""
-        return np.array([self.task.volume(row) for row in values.tolist()])
+        return np.array([self._whole.volume(row) for row in values.tolist()])
 
     @cached_property
     def radii(self) -> NDArray[np.bool_]:
@@ -59,7 +65,7 @@ class UnitSpace:
         changed = self.values(np.vstack((centre, centre + 0.01 * np.eye(self.size))))
         # Unlike `Task.named`, the shapes take values that break the task's rules.
         named = (dict(zip(self.task.names, row, strict=True)) for row in changed.tolist())
-        base, *others = ([shape.radius for shape in self.task.shapes(one)] for one in named)
+        base, *others = ([shape.radius for shape in self.task.solids(one)] for one in named)
         return np.array([base != other for other in others])
 
     def _accepts(self, values: Sequence[float]) -> bool:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from robomore.envs.compile import body_facts
+from robomore.envs.compile import body_facts, compile_model, model_volume
 from robomore.envs.reward_text import reward_function
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidMorphology, InvalidReward, RewardFailed
@@ -17,6 +17,9 @@ from robomore.tasks.fingerprint import fingerprint
 
 DRAWS = 8
 """Morphologies around the reference that are compiled and moved."""
+
+_SAME_VOLUME = 0.01
+"""Relative difference between volumes that is put up with."""
 
 MOVES = 20
 """Control steps with random actions of each."""
@@ -35,13 +38,18 @@ def check_task(task: Task) -> None:
         assert parameter.low <= parameter.reference <= parameter.high, (
             f"{parameter.name}: the reference {parameter.reference} is outside its bounds"
         )
-        assert parameter.scale == "linear" or parameter.low > 0, (
-            f"{parameter.name}: a log scale needs a low bound above 0"
+        low, high = parameter.search or (parameter.low, parameter.high)
+        assert parameter.low <= low <= parameter.reference <= high <= parameter.high, (
+            f"{parameter.name}: the search range must hold the reference and lie within the bounds"
+        )
+        assert parameter.scale == "linear" or low > 0, (
+            f"{parameter.name}: a log scale needs a low end of the search range above 0"
         )
         assert parameter.meaning, f"{parameter.name} has no meaning; a designer has to be told one"
     reference = task.check(task.reference)
     assert fingerprint(task) == fingerprint(task), "the fingerprint changes from call to call"
     assert task.volume(reference) > 0, "the reference robot has no volume"
+    _check_volume(task)
     assert body_facts(task, reference)["mass"] > 0, "the reference robot has no mass"
     for seed in range(DRAWS):
         parameters = drawn(task, seed, deviation=0.1).parameters
@@ -59,6 +67,18 @@ def check_task(task: Task) -> None:
     except InvalidMorphology:
         return
     raise AssertionError("parameters beyond their bounds are accepted")
+
+
+def _check_volume(task: Task) -> None:
+    """Compare a list of shapes by hand with the solids of the compiled robot."""
+    if task.shapes is None:
+        return
+    listed = task.volume(task.reference)
+    solid = model_volume(compile_model(task, task.reference))
+    assert abs(listed - solid) <= _SAME_VOLUME * solid, (
+        f"its `shapes` have {listed:.6g} m³ and the robot's solids {solid:.6g} m³, so every "
+        "efficiency would be wrong; leave `shapes` out, and the template's solids count"
+    )
 
 
 def _check_motion(task: Task, parameters: tuple[float, ...], seed: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 from dataclasses import dataclass
 from itertools import pairwise
@@ -39,6 +40,14 @@ class MLPPolicy:
     def sizes(self) -> tuple[int, ...]:
         """Sizes of observations, of each hidden layer, and of actions."""
         return (self.weights[0].shape[0], *(weight.shape[1] for weight in self.weights))
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of sizes, weights and biases, whatever file they came from."""
+        found = hashlib.sha256(repr(self.sizes).encode())
+        for array in (*self.weights, *self.biases):
+            found.update(np.ascontiguousarray(array, np.float32).tobytes())
+        return found.hexdigest()
 
     def act(self, observations: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
         """Return actions (n, actions) in [-1, 1] for `observations` (n, observations)."""

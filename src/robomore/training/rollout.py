@@ -10,7 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.transition import Transition
-from robomore.training.policy import MLPPolicy
+
+
+class Policy(Protocol):
+    """What acts; `robomore.training.policy.MLPPolicy` is one."""
+
+    def act(self, observations: NDArray[np.floating[Any]]) -> NDArray[np.float32]: ...
 
 
 class EvaluationEnv(Protocol):
@@ -54,7 +59,7 @@ class Rollout:
     jerk: NDArray[np.float64]
 
 
-def rollout(policy: MLPPolicy, environment: EvaluationEnv, seeds: Sequence[int]) -> Rollout:
+def rollout(policy: Policy, environment: EvaluationEnv, seeds: Sequence[int]) -> Rollout:
     """Run one episode of the deterministic policy for each of `seeds`.
 
     Args:

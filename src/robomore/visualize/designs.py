@@ -49,7 +49,7 @@ def pairs(run: Run, ax: Axes | None = None) -> Axes:
             if score.interval:
                 ax.plot([at, at], score.interval, color="black", linewidth=1.5)
     ax.set_xticks(range(len(names)), names, fontsize="small")
-    ax.set(ylabel=label(run.objective))
+    ax.set(ylabel=label(run.objective, run.fitness_unit))
     return ax
 
 

@@ -54,7 +54,7 @@ def heatmap(run: Run, ax: Axes | None = None, *, stage: str | None = None) -> Ax
     norm = matplotlib("colors").LogNorm(positive.min(), positive.max()) if positive.size else None
     shown = ax.imshow(scores, norm=norm, cmap="viridis", aspect="auto", alpha=0.7)
     if ax.figure is not None:
-        ax.figure.colorbar(shown, ax=ax, label=label(run.objective))
+        ax.figure.colorbar(shown, ax=ax, label=label(run.objective, run.fitness_unit))
     names = [
         "reference" if column in grid.reference_rewards else str(column + 1)
         for column in range(grid.shape[1])
@@ -95,7 +95,11 @@ def best_so_far(run: Run | Comparison, ax: Axes | None = None) -> Axes:
         else:
             name = f"{manifest.settings.method.name}, seed {manifest.seed}"
             ax.step(steps, best, where="post", label=name)
-    ax.set(xlabel="control steps of training in the search", ylabel=label(lines[0][0].objective))
+    first = lines[0][0]
+    ax.set(
+        xlabel="control steps of training in the search",
+        ylabel=label(first.objective, first.fitness_unit),
+    )
     ax.legend()
     return ax
 
@@ -122,6 +126,6 @@ def fitness_over_volume(run: Run, ax: Axes | None = None) -> Axes:
     for stage, found in points.items():
         volume, fitness = zip(*found, strict=True)
         ax.scatter(volume, fitness, s=18, alpha=0.7, label=stage)
-    ax.set(xscale="log", xlabel=label("volume"), ylabel=label("fitness"))
+    ax.set(xscale="log", xlabel=label("volume"), ylabel=label("fitness", run.fitness_unit))
     ax.legend()
     return ax

@@ -20,7 +20,7 @@ def curves(
     """Draw the best so far of each arm over the training it has spent.
 
     Args:
-        lines: (control steps, best so far) of each arm, the mean of its runs.
+        lines: (control steps, best so far measured again) of each arm, the mean of its runs.
         ends: what each arm's answers were worth when they were trained anew; drawn as a point at
             the end, since the best of many noisy numbers is too good to be true.
         name: of the numbers, with their unit.
@@ -37,7 +37,7 @@ def curves(
         ax.set_yscale("log")
     ax.set(
         xlabel="control steps of training in the search (point: trained anew)",
-        ylabel=f"best so far: {name}",
+        ylabel=f"best so far, measured again: {name}",
     )
     ax.legend(fontsize="small")
     return ax
@@ -64,4 +64,45 @@ def intervals(
     ax.invert_yaxis()
     ax.axvline(1, color="black", linewidth=0.8, linestyle="--")
     ax.set(xlabel=name)
+    return ax
+
+
+def by_task(
+    lines: Mapping[str, Mapping[str, Sequence[float]]], name: str, ax: Axes | None = None
+) -> Axes:
+    """Draw what each design is worth in each task: a line through the means, and each run's point.
+
+    Args:
+        lines: for each design, its runs' numbers by task.
+        name: of the numbers, with their unit.
+        ax: to draw on; new axes by default.
+    """
+    ax = axes_for(ax)
+    tasks = list(dict.fromkeys(task for line in lines.values() for task in line))
+    for design, line in lines.items():
+        places = [tasks.index(task) for task in line]
+        means = [sum(values) / len(values) for values in line.values()]
+        (drawn,) = ax.plot(places, means, "o-", label=design)
+        for place, values in zip(places, line.values(), strict=True):
+            ax.plot([place] * len(values), values, ".", color=drawn.get_color(), alpha=0.5)
+    if min(value for line in lines.values() for values in line.values() for value in values) > 0:
+        ax.set_yscale("log")
+    ax.set_xticks(range(len(tasks)), tasks, rotation=20, ha="right")
+    ax.set(ylabel=name)
+    ax.legend(fontsize="small")
+    return ax
+
+
+def episodes(lines: Mapping[str, Sequence[float]], ax: Axes | None = None) -> Axes:
+    """Draw the fitness of each episode, one after the other, and a line for each case.
+
+    Args:
+        lines: fitness of each episode in m, by case.
+        ax: to draw on; new axes by default.
+    """
+    ax = axes_for(ax)
+    for case, values in lines.items():
+        ax.plot(range(1, len(values) + 1), values, ".-", linewidth=0.8, label=case)
+    ax.set(xlabel="episode", ylabel="fitness (m)")
+    ax.legend(fontsize="small")
     return ax

@@ -108,7 +108,7 @@ def test_a_design_that_was_proposed_twice_is_shown_once() -> None:
 def test_a_reward_is_one_entry_with_all_its_results() -> None:
     few = [body(0.1 + i / 10) for i in range(9)]
     measured = grid(few, [reward(1), reward(2)])
-    entries = reward_entries("efficiency", few[3], measured)
+    entries = reward_entries(SWIMMER, "efficiency", few[3], measured)
     assert len(entries) == 2
     text = entries[1].text
     assert reward(2).source.strip() in text and text.startswith("## Reward 2")
@@ -122,7 +122,7 @@ def test_an_entry_without_success_at_hand_describes_the_best_other_in_full() -> 
         evaluation(body(0.5), reward(1), 1.0),
         evaluation(body(0.7), reward(1), 2.0),
     ]
-    (entry,) = reward_entries("fitness", body(0.3), measured)
+    (entry,) = reward_entries(SWIMMER, "fitness", body(0.3), measured)
     assert "With the current morphology: failed (reward-failed): line 3" in entry.text
     assert "With morphology 3, its best: efficiency" in entry.text
     assert "(fitness 2 m" in entry.text.split("its best")[1]

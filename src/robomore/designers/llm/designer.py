@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
@@ -66,6 +67,14 @@ class LLMSettings:
             raise InputError(f"repairs = {self.repairs} is less than 0")
 
 
+@dataclass(slots=True)
+class _Answers:
+    """What came of the answers so far, over all remarks."""
+
+    useful: bool = False
+    useless: int = 0
+
+
 class LLMDesigner:
     """Proposes with a language model (see `Designer`). Several threads may use it at once.
 
@@ -117,8 +126,14 @@ class LLMDesigner:
         # parse at once (cpython#106905), and parallel dry runs would slow each other down.
         self._lock = threading.Lock()
         self._schema = morphology_schema(task)
-        self._useful = False
-        self._useless = 0
+        self._answers = _Answers()
+        self._hint = ""
+
+    def with_hint(self, hint: str) -> LLMDesigner:
+        """Return the same designer with a person's remark in its prompts."""
+        told = copy(self)
+        told._hint = hint
+        return told
 
     def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
         """Return a morphology unlike all `earlier` ones (paper, Alg. 1: ProposeMorphology)."""
@@ -168,6 +183,7 @@ class LLMDesigner:
                 objective=self._objective,
                 training=self._training,
                 curve_of=self._curve_of,
+                hint=self._hint,
                 **given,
             )
 
@@ -229,7 +245,7 @@ class LLMDesigner:
                 errors = _explained(invalid.errors, trouble)
                 self._client.set_errors(exchange, errors)
             else:
-                self._useful = True
+                self._answers.useful = True
                 self._client.set_errors(exchange, ())
                 return proposal
             self._stop_if_useless(trouble)
@@ -250,12 +266,12 @@ class LLMDesigner:
         """Raise `ModelUnavailable` if all answers so far were useless for a reason that lasts."""
         if trouble is None or not trouble.lasting:
             # The model can answer, although not yet in the right form.
-            self._useful = True
+            self._answers.useful = True
             return
-        self._useless += 1
-        if self._useless >= _MOST_USELESS and not self._useful:
+        self._answers.useless += 1
+        if self._answers.useless >= _MOST_USELESS and not self._answers.useful:
             raise ModelUnavailable(
-                f"{self._client.model.name} gave {self._useless} answers without content: "
+                f"{self._client.model.name} gave {self._answers.useless} answers without content: "
                 f"{trouble.to_user}. Start a new run (--out) with other settings"
             )
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from statistics import stdev
 
+from robomore.tasks.fitness import Fitness
 from robomore.tasks.task import Task
 from robomore.types import Curve, Evaluation, Morphology, Reward, Status
 
@@ -20,20 +22,27 @@ def morphology_lines(task: Task, morphology: Morphology) -> list[str]:
 
 
 def reward_lines(reward: Reward) -> list[str]:
-    """Return the program text of a reward between fences."""
-    return ["```python", reward.source.strip(), "```"]
+    """Return the program text of a reward between fences that it does not hold itself."""
+    longest = max(map(len, re.findall("`+", reward.source)), default=0)
+    fence = "`" * max(3, longest + 1)
+    return [f"{fence}python", reward.source.strip(), fence]
 
 
 def evaluation_lines(
-    evaluation: Evaluation, label: str, full: int = 0, curve: Curve | None = None
+    evaluation: Evaluation,
+    label: str,
+    goal: Fitness,
+    full: int = 0,
+    curve: Curve | None = None,
 ) -> list[str]:
     """Return all that an evaluation measured, or why it failed. The first line starts with `label`.
 
-    An evaluation with fewer training steps than `full` says so. `curve` is its learning curve.
+    `goal` is the task's. An evaluation with fewer training steps than `full` says so. `curve` is
+    its learning curve.
     """
     if not evaluation.ok:
         return [f"{label}: {failure(evaluation)}"]
-    lines = [f"{label}: {score(evaluation, full)}"]
+    lines = [f"{label}: {score(evaluation, goal, full)}"]
     if evaluation.behaviour:
         moved = ", ".join(f"{name} {value:.4g}" for name, value in evaluation.behaviour.items())
         lines.append(f"  How it moved: {moved}")
@@ -65,7 +74,7 @@ def curve_line(curve: Curve) -> str:
     return f"  Learning curve by training steps: {'; '.join(said)}" if said else ""
 
 
-def score(evaluation: Evaluation, full: int = 0) -> str:
+def score(evaluation: Evaluation, goal: Fitness, full: int = 0) -> str:
     """Return efficiency, fitness and volume in words, and the steps if they are below `full`."""
     efficiency, fitness, volume = (
         "unknown" if value is None else f"{value:.4g}"
@@ -75,7 +84,8 @@ def score(evaluation: Evaluation, full: int = 0) -> str:
     # The spread is that over the episodes of one trained policy.
     spread = f" ± {stdev(episodes):.2g}" if len(episodes) > 1 else ""
     return (
-        f"efficiency {efficiency} m/m³ (fitness {fitness}{spread} m, volume {volume} m³)"
+        f"efficiency {efficiency} {goal.per_volume} "
+        f"({f'fitness {fitness}{spread} {goal.unit}'.rstrip()}, volume {volume} m³)"
         f"{_after(evaluation.job.steps, full)}"
     )
 

@@ -16,6 +16,7 @@ from robomore.designers.llm.formatting import (
 from robomore.designers.llm.score_table import Numbers
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
+from robomore.tasks.fitness import Fitness
 from robomore.tasks.task import Task
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Curve, Design, Evaluation, Morphology, Reward
@@ -101,6 +102,7 @@ def morphology_entries(
     return _entries(
         history,
         objective,
+        task.goal,
         key=lambda design: design.morphology.parameters,
         is_current=lambda design: design.reward.source == current.source,
         label="With the current reward",
@@ -113,6 +115,7 @@ def morphology_entries(
 
 
 def reward_entries(
+    task: Task,
     objective: str,
     current: Morphology,
     history: Sequence[Evaluation],
@@ -122,6 +125,7 @@ def reward_entries(
     return _entries(
         history,
         objective,
+        task.goal,
         key=lambda design: design.reward.source,
         is_current=lambda design: design.morphology.parameters == current.parameters,
         label="With the current morphology",
@@ -188,6 +192,7 @@ def choose(entries: Sequence[Entry], settings: HistorySettings) -> list[int]:
 def _entries(
     history: Sequence[Evaluation],
     objective: str,
+    goal: Fitness,
     *,
     key: Callable[[Design], Hashable],
     is_current: Callable[[Design], bool],
@@ -209,12 +214,13 @@ def _entries(
         here = [e for e in measured if is_current(e.design)]
         there = [e for e in measured if not is_current(e.design)]
         lines = [f"## {heading} {number}", *describe(design)]
-        lines += [line for e in here for line in evaluation_lines(e, label, full, curve_of(e.key))]
+        for one in here:
+            lines += evaluation_lines(one, label, goal, full, curve_of(one.key))
         # If none with the current partner succeeded, the best of the others is described in full.
         # All the others stand in the table.
         if not any(e.ok for e in here) and (shown := _best_of(there, objective)):
             lines += evaluation_lines(
-                shown, f"With {partner(shown.design)}, its best", full, curve_of(shown.key)
+                shown, f"With {partner(shown.design)}, its best", goal, full, curve_of(shown.key)
             )
         text = "\n".join(lines)
         best = _best_of(measured, objective)

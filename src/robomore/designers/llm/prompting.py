@@ -40,12 +40,6 @@ KINDS = ("morphology", "reward", "improve-morphology", "improve-reward")
 _TABLE_FRACTION = 0.5
 """Part of the history's tokens that the table of all results may take."""
 
-_FITNESS = {
-    "distance": "how far the torso gets in the direction of +x in an episode, in m, as a mean over "
-    "several episodes",
-    "height": "the greatest height of the torso in an episode, in m, as a mean over several "
-    "episodes",
-}
 _OBJECTIVES = {
     "efficiency": "The score is the efficiency. Make it as high as you can.",
     "fitness": "The score is the fitness. Make it as high as you can.",
@@ -65,6 +59,7 @@ def render_prompt(
     settings: HistorySettings | None = None,
     training: TrainingFacts | None = None,
     curve_of: CurveOf = lambda key: None,
+    hint: str = "",
 ) -> list[Message]:
     """Return the messages that ask for one proposal.
 
@@ -79,6 +74,7 @@ def render_prompt(
         settings: how much of the history the prompt holds.
         training: what trains, `None` to say nothing of it.
         curve_of: returns learning curves. Only improvements use it.
+        hint: remark of the person who runs the search; it comes last.
 
     Raises:
         InputError: there is no such kind, or nothing to improve on.
@@ -94,6 +90,8 @@ def render_prompt(
         parts.append(_improve(task, part, objective, best, measured, history, curve_of))
     elif earlier:
         parts.append(_diversity(task, part, earlier))
+    if hint:
+        parts.append(render("hint", hint=hint))
     return [Message("system", render(f"role-{part}")), Message("user", "\n\n".join(parts))]
 
 
@@ -148,7 +146,7 @@ def _base(task: Task, part: str, objective: str, training: TrainingFacts | None)
     shared = {
         "description": task.description,
         "episode_steps": f"{task.episode_steps:,}",
-        "fitness": _FITNESS[task.fitness],
+        "fitness": _fitness(task),
         "objective": _OBJECTIVES[objective],
         "training": f"{training}\n\n" if training else "",
         "episodes": episode_facts(task),
@@ -183,6 +181,12 @@ def _base(task: Task, part: str, objective: str, training: TrainingFacts | None)
     )
 
 
+def _fitness(task: Task) -> str:
+    goal = task.goal
+    unit = f", in {goal.unit}" if goal.unit else ""
+    return f"{goal.meaning}{unit}, as a mean over several episodes"
+
+
 def _diversity(task: Task, part: str, earlier: Sequence[Morphology | Reward]) -> str:
     shown = []
     for number, proposal in enumerate(earlier, start=1):
@@ -192,6 +196,10 @@ def _diversity(task: Task, part: str, earlier: Sequence[Morphology | Reward]) ->
             lines = reward_lines(proposal)
         shown.append("\n".join([f"## Number {number}", *lines]))
     return render(f"diversity-{part}", count=str(len(earlier)), earlier="\n\n".join(shown))
+
+
+def _measured(task: Task, best: Evaluation, curve_of: CurveOf) -> list[str]:
+    return evaluation_lines(best, "Measured", task.goal, curve=curve_of(best.key))
 
 
 def _improve(
@@ -210,9 +218,9 @@ def _improve(
     if part == "morphology":
         entries = morphology_entries(task, objective, design.reward, measured, curve_of)
         improved = [*morphology, volume]
-        partner = {"reward": design.reward.source.strip(), "partner": numbers.reward(design)}
+        partner = {"reward": "\n".join(reward), "partner": numbers.reward(design)}
     else:
-        entries = reward_entries(objective, design.morphology, measured, curve_of)
+        entries = reward_entries(task, objective, design.morphology, measured, curve_of)
         improved = reward
         partner = {
             "morphology": "\n".join([*morphology, volume]),
@@ -245,7 +253,7 @@ def _improve(
         selection += "\n\n" + render("fewer-steps", steps=f"{full:,}")
     return render(
         f"improve-{part}",
-        best="\n".join([*improved, *evaluation_lines(best, "Measured", curve=curve_of(best.key))]),
+        best="\n".join([*improved, *_measured(task, best, curve_of)]),
         results=results,
         history=selected.entries,
         selection=selection,

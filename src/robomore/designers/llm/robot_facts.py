@@ -191,7 +191,7 @@ def _start_height(made: Any) -> float:
 
 def volume_line(task: Task, morphology: Morphology) -> str:
     """Return the volume of a morphology by part, the largest first."""
-    shapes = task.shapes(dict(zip(task.names, morphology.parameters, strict=True)))
+    shapes = task.solids(dict(zip(task.names, morphology.parameters, strict=True)))
     total = sum(shape.volume for shape in shapes)
     parts = []
     for shape in sorted(shapes, key=lambda one: -one.volume):

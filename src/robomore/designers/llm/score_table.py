@@ -77,7 +77,10 @@ def score_table(
     """
     rows = _rows(history, objective)
     full = max((row.steps for row in rows), default=0)
-    head = ["efficiency (m/m³)", "fitness (m)", "volume (m³)", "morphology", "reward", "trained"]
+    goal = task.goal
+    fitness = f"fitness ({goal.unit})" if goal.unit else "fitness"
+    head = [f"efficiency ({goal.per_volume})", fitness, "volume (m³)"]
+    head += ["morphology", "reward", "trained"]
     head += [*(task.names if parameters else ()), "what happened"]
     cells = [_cells(task, row, numbers, full, parameters) for row in rows]
     kept = len(cells)

@@ -22,7 +22,9 @@ POOL = 512
 """Size of the pool, some hundred times the number of proposals in a usual run."""
 ROUNDS = 40
 """Rounds of `POOL` draws before giving up on a full pool."""
-DISTANCE_WEIGHT = 2.0
+EXTRA_ROUNDS = 24
+"""Rounds of evolution besides one for each parameter."""
+DISTANCE_WEIGHT = 1.5
 """Log efficiency that a doubled distance to the nearest earlier morphology is worth."""
 
 
@@ -66,7 +68,7 @@ class MorphologySampler:
         points = self._scattered(random)
         merits = self._prior.log_efficiency(self._space.values(points))
         # With more parameters, good morphologies are rarer by chance, so there are more rounds.
-        for _ in range(self._space.size):
+        for _ in range(self._space.size + EXTRA_ROUNDS):
             children = _crossed(points, random)
             values = self._space.values(children)
             valid = self._space.valid(values)
@@ -97,7 +99,7 @@ class MorphologySampler:
         return points
 
     def _describe(self, values: Array) -> str:
-        shapes = self._task.shapes(self._task.named(values.tolist()))
+        shapes = self._task.solids(self._task.named(values.tolist()))
         limbs = [shape for shape in shapes if isinstance(shape, Capsule)]
         slenderness = np.median([limb.length / limb.radius for limb in limbs]) if limbs else 0.0
         build = "thin" if slenderness > 20 else "medium-thick" if slenderness > 8 else "thick"

@@ -71,6 +71,13 @@ class RestPose:
         return height
 
     @property
+    def drop(self) -> Array:
+        """Height of the lowest limb end above the ground, over the height of the robot, (n,)."""
+        lowest = self.ends[..., 2].min(axis=(1, 2))
+        drop: Array = np.maximum(lowest, 0) / np.maximum(self.height, 1e-6)
+        return drop
+
+    @property
     def overhang(self) -> Array:
         """Distance in x from the centre to the feet, 0 if it is above them, over the height, (n,).
 

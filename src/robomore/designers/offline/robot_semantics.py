@@ -58,7 +58,7 @@ def robot_semantics(task: Task) -> RobotSemantics:
     world = ET.fromstring(task.template).find("worldbody")
     torso = None if world is None else world.find("body")
     if torso is None:
-        return RobotSemantics({}, task.fitness == "height")
+        return RobotSemantics({}, task.goal.motion == "upward")
     joints = _numbered(torso)
     own = [joint for joint in joints if joint.name in _names(torso.findall("joint"))]
     found = _of_root(own)
@@ -80,7 +80,7 @@ def robot_semantics(task: Task) -> RobotSemantics:
         found["falls"] = "self.is_healthy"
     elif "tip" in found:
         found["roll_free"] = ""
-    return RobotSemantics(found, task.fitness == "height")
+    return RobotSemantics(found, task.goal.motion == "upward")
 
 
 def _of_root(joints: Sequence[_Joint]) -> dict[str, str]:

@@ -25,11 +25,14 @@ class AntEnvironment(RobotEnvironment, AntEnv):
     def observes_forces(self) -> bool:
         return bool(self._include_cfrc_ext_in_observation)
 
-    def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
+    def observed_views(self, data: mujoco.MjData) -> list[Array]:
+        return [data.cfrc_ext.ravel()] if self.observes_forces else []
+
+    def batch_observation(self, state: Array, observed: Array) -> Array:
         if not self.observes_forces:
-            return super().batch_observation(state, cfrc_ext)
+            return super().batch_observation(state, observed)
         start = self.observation_structure["skipped_qpos"]
-        felt = cfrc_ext[:, 1:].reshape(len(state), -1)  # nothing pushes the world
+        felt = observed[:, 6:]  # nothing pushes the world
         observation = np.concatenate((state[:, start:], felt), axis=1)
         forces = observation[:, -felt.shape[1] :]
         clip_in_place(forces, *self._contact_force_range)

@@ -9,10 +9,12 @@ from typing import Any
 import mujoco
 import numpy as np
 from gymnasium.envs.mujoco import MujocoEnv
+from gymnasium.spaces import Box
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from robomore.envs.compile import compile_model
+from robomore.envs.control_map import ControlMap
 from robomore.envs.opengl import ensure_opengl
 from robomore.tasks.task import Task
 
@@ -57,6 +59,7 @@ class RobotEnvironment(MujocoEnv):
         self._reward = reward
         self._reward_attributes: set[str] = set()
         self._reward_calls = 0
+        self._control_map: ControlMap | None = None
         chosen = {**task.options(task.named(self._parameters)), **options}
         super().__init__(render_mode=render_mode, **chosen)
         # The official constructor has noted its own arguments for pickling; these are ours.
@@ -91,6 +94,17 @@ class RobotEnvironment(MujocoEnv):
         """
         return None
 
+    def do_simulation(self, ctrl: Array, n_frames: int) -> None:
+        """Apply an action in [-1, 1] for some steps of MuJoCo; the robots' own `step` calls it."""
+        if self._control_map is None:
+            self._control_map = self.control_map()
+        controls = self._control_map.controls(np.asarray(ctrl, dtype=np.float64))
+        super().do_simulation(controls, n_frames)
+
+    def control_map(self) -> ControlMap:
+        """Return where actions go on the motors' control ranges."""
+        return ControlMap(self.model, self.init_qpos)
+
     @property
     def training_steps(self) -> int:
         """Control steps done so far, over all episodes and all simulations of a training."""
@@ -98,15 +112,19 @@ class RobotEnvironment(MujocoEnv):
 
     @property
     def observes_forces(self) -> bool:
-        """Whether observations hold contact forces (`cfrc_ext`)."""
+        """Whether observations need the contact forces (`cfrc_ext`)."""
         return False
 
-    def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
+    def observed_views(self, data: mujoco.MjData) -> list[Array]:
+        """Return live flat views of what observations hold besides positions and velocities."""
+        return []
+
+    def batch_observation(self, state: Array, observed: Array) -> Array:
         """Return observations (num_envs, observation size) as a new array.
 
         Args:
             state: (num_envs, nq + nv) positions and velocities.
-            cfrc_ext: (num_envs, bodies, 6) contact forces; only read where the robot observes them.
+            observed: (num_envs, …) the `observed_views` side by side.
         """
         return state[:, self.observation_structure["skipped_qpos"] :].copy()
 
@@ -124,6 +142,10 @@ class RobotEnvironment(MujocoEnv):
         # Slide joints count from the pose in which the model was written down.
         origin: Array = self.model.body_pos[1, [0, 2]] - self.model.qpos0[:2]
         return qpos[:, :2] + origin
+
+    def _set_action_space(self) -> Box:
+        self.action_space = Box(-1.0, 1.0, (int(self.model.nu),), np.float32)
+        return self.action_space
 
     def _initialize_simulation(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
         model = compile_model(self._task, self._parameters)
@@ -152,8 +174,8 @@ class UprightEnvironment(RobotEnvironment):
     _healthy_z_range: tuple[float, float]
     _healthy_angle_range: tuple[float, float]
 
-    def batch_observation(self, state: Array, cfrc_ext: Array) -> Array:
-        observation = super().batch_observation(state, cfrc_ext)
+    def batch_observation(self, state: Array, observed: Array) -> Array:
+        observation = super().batch_observation(state, observed)
         velocities = observation[:, -self.model.nv :]
         clip_in_place(velocities, -10, 10)
         return observation

@@ -50,8 +50,8 @@ export class Evaluations {
     this.columns = {
       place: text((one) => one.places[0]),
       status: text((one) => one.status),
-      "efficiency m/m³": figure((one) => one.efficiency),
-      "fitness m": figure((one) => one.fitness),
+      [`efficiency ${page.perVolume}`]: figure((one) => one.efficiency),
+      [`fitness ${page.fitnessUnit}`]: figure((one) => one.fitness),
       "volume m³": figure((one) => one.volume),
       "energy J": figure((one) => one.energy),
       steps: { get: (one) => one.steps, say: (one) => one.steps.toLocaleString("en-US") },

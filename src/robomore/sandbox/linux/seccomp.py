@@ -34,7 +34,10 @@ _X32 = 0x40000000
 _RECENT = 403
 """From this number on all machines number their calls alike, and C libraries expect absence."""
 
-_NEW_THREAD = 0x00010000
+_THREAD_OF_OURS = 0x00010000 | 0x00000400
+"""CLONE_THREAD and CLONE_FILES: a thread with open files of its own could open as many again."""
+_OWN_FILES = 0x2
+"""CLOSE_RANGE_UNSHARE does the same to a thread that runs already."""
 _NEW_NAMESPACE = 0x7E020000
 _TRUNCATE, _ACCESS_MODE, _NAMELESS = 0o1000, 0o3, 0o20000000
 _SHARED, _ANONYMOUS, _GROWS_DOWN = 0x1, 0x20, 0x100
@@ -149,9 +152,16 @@ def _conditions(pid: int) -> dict[str, list[Instruction]]:
             _argument(0),
             Instruction(_ANY_BIT, 0, 1, _NEW_NAMESPACE),
             _end(_REFUSE),
-            Instruction(_ANY_BIT, 0, 1, _NEW_THREAD),
+            Instruction(_AND, 0, 0, _THREAD_OF_OURS),
+            Instruction(_EQUAL, 0, 1, _THREAD_OF_OURS),
             _end(_ALLOW),
             _end(_REFUSE),
+        ],
+        "close_range": [
+            _argument(2),
+            Instruction(_ANY_BIT, 0, 1, _OWN_FILES),
+            _end(_REFUSE),
+            _end(_ALLOW),
         ],
         "prctl": _one_of(0, _PRCTL),
         "ioctl": _one_of(1, _IOCTL),

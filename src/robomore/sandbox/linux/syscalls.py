@@ -1,7 +1,8 @@
 """The system calls that Python, NumPy, MuJoCo and XLA need, and no others.
 
 None of them removes or renames a file. A file that is removed while it is open, and one that moves
-while files are counted, takes space that nobody sees.
+while files are counted, takes space that nobody sees. None moves a file's pages into a pipe, where
+they would keep their memory after the file is cut short: no splice, no sendfile.
 
 name: (number on x86_64, number on aarch64), `None` where that machine has no such call; from the
 kernel's unistd.h. What is allowed only with certain arguments stands in `seccomp`.
@@ -60,7 +61,6 @@ ALLOWED: dict[str, tuple[int | None, int | None]] = {
     "pwritev2": (328, 287),
     "lseek": (8, 62),
     "close": (3, 57),
-    "close_range": (436, 436),
     "dup": (32, 23),
     "dup2": (33, None),
     "dup3": (292, 24),
@@ -71,7 +71,6 @@ ALLOWED: dict[str, tuple[int | None, int | None]] = {
     "fallocate": (285, 47),
     "ftruncate": (77, 46),
     "fadvise64": (221, 223),
-    "sendfile": (40, 71),
     "copy_file_range": (326, 285),
     # files by name, which Landlock restricts
     "stat": (4, None),
@@ -139,6 +138,7 @@ CONDITIONAL: dict[str, tuple[int | None, int | None]] = {
     "open": (2, None),
     "openat": (257, 56),
     "clone": (56, 220),
+    "close_range": (436, 436),
     "prctl": (157, 167),
     "ioctl": (16, 29),
     "fcntl": (72, 25),

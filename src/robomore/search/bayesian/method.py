@@ -30,6 +30,7 @@ from robomore.search.population import (
     trained,
     valid_point,
 )
+from robomore.search.starts import Kind
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Evaluation
 
@@ -66,6 +67,7 @@ class Bayesian:
     Settings = BayesianSettings
     summary: ClassVar[str] = "Bayesian optimisation of the morphology, under the reference reward"
     needs_designer: ClassVar[bool] = False
+    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
     provenance: ClassVar[str] = (
         "No LLM was used: morphologies were chosen by Bayesian optimisation over the task's bounds."
     )
@@ -97,6 +99,7 @@ class Bayesian:
         """Return the trained morphologies, best first; `designer` is not asked."""
         space = UnitSpace(context.task)
         count, initial = self._sizes(context)
+        initial = max(initial, 1 + len(context.starts))
         found = self._trained(evaluate, _first(space, initial, context), 0, context)
         while len(found) < count:
             size = min(self.settings.batch, count - len(found))
@@ -124,11 +127,12 @@ def _first(space: UnitSpace, count: int, context: SearchContext) -> list[Candida
     """Return the reference, and points spread over the bounds as far as the rules let them."""
     random = np.random.default_rng(derive_seed(context.seed, STAGE, "first"))
     # A Latin hypercube: each range is cut into slices, and each slice is used once.
-    slices = np.stack([random.permutation(count - 1) for _ in range(space.size)], axis=1)
+    rest = count - 1 - len(context.starts)
+    slices = np.stack([random.permutation(rest) for _ in range(space.size)], axis=1)
     begin = start_candidate(context)
-    candidates = [begin]
+    candidates = [begin, *(Candidate(one.parameters, one.idea) for one in context.starts)]
     for cell in slices:
-        draw = partial(_within, cell, count - 1, random)
+        draw = partial(_within, cell, rest, random)
         values = valid_point(space, draw, begin.parameters)
         candidates.append(Candidate(values, "a first point, spread over the bounds"))
     return candidates

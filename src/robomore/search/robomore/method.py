@@ -13,6 +13,7 @@ from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.fine import fine
 from robomore.search.robomore.planning import planned
 from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.search.starts import Kind
 from robomore.types import Evaluation, finished
 
 
@@ -29,6 +30,7 @@ class RoboMoRe:
     Settings = RoboMoReSettings
     summary: ClassVar[str] = "the paper's coarse-to-fine search over morphologies and rewards"
     needs_designer: ClassVar[bool] = True
+    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology", "reward")
     provenance: ClassVar[str] = ""
 
     def __init__(self, settings: RoboMoReSettings) -> None:

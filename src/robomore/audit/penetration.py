@@ -1,0 +1,37 @@
+"""Do the robot's limbs stay above the ground?"""
+
+from __future__ import annotations
+
+from robomore.audit.subject import Subject
+from robomore.runs.words import number
+from robomore.store.audit import Outcome, Verdict
+
+DEEP = 1.0
+"""Depth in radii from which on a limb is deep: its middle line is below the surface."""
+FAILS_ABOVE, WARNS_ABOVE = 0.1, 0.05
+"""Fractions of the time in which some limb is deep. Contacts are soft, and the official
+robots' feet are deep in hard landings: Half-Cheetah's for 0.3 % of the time, Hopper's for 4.9 %."""
+
+
+def check(subject: Subject) -> Verdict:
+    """Look how deep each limb goes, in units of its own radius."""
+    seen = subject.inspection
+    if seen is None:
+        return Verdict("penetration", "fails", "The physics diverges.")
+    if not seen.has_ground:
+        return Verdict("penetration", "skipped", "Nothing in this task touches a ground.")
+    if seen.divergences:
+        return Verdict("penetration", "fails", "The physics diverges.")
+    part, depth = max(seen.depths.items(), key=lambda one: one[1])
+    outcome: Outcome = "passes"
+    if seen.deep_share > FAILS_ABOVE:
+        outcome = "fails"
+    elif seen.deep_share > WARNS_ABOVE:
+        outcome = "warns"
+    return Verdict(
+        "penetration",
+        outcome,
+        f"{part} goes {number(depth, 2)} radii into the ground at most; some limb is deeper than "
+        f"its own radius for {100 * seen.deep_share:.1f} % of the time.",
+        {"deepest_radii": depth, "deep_share": seen.deep_share},
+    )

@@ -1,0 +1,61 @@
+"""How much of what a robot does is left when one thing is changed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from robomore.audit.subject import Subject
+from robomore.audit.variant import Variant
+from robomore.runs.words import number
+from robomore.store.audit import Outcome, Verdict
+
+LEAST_WORTH = 0.1
+"""Metres below which a robot gets nowhere, and has nothing to lose."""
+
+
+def retained(
+    subject: Subject,
+    check: str,
+    variants: Mapping[str, Variant],
+    *,
+    fails_below: float = 0.0,
+    warns_below: float,
+) -> Verdict:
+    """Return a verdict on the variant that costs the most.
+
+    Args:
+        subject: what is audited.
+        check: name of the check.
+        variants: what is changed, by its words.
+        fails_below: fraction of what the robot does that has to be left.
+        warns_below: likewise, for a warning.
+    """
+    base = subject.worth()
+    if base is None or base < LEAST_WORTH:
+        said = "the physics diverges" if base is None else f"it gets {number(base)} m"
+        return Verdict(check, "skipped", f"There is nothing to lose: {said} as it is.")
+    left = {name: subject.worth(variant) for name, variant in variants.items()}
+    told = ", ".join(f"{name} {_words(worth, base)}" for name, worth in left.items())
+    least = min(0.0 if worth is None else max(0.0, worth / base) for worth in left.values())
+    outcome: Outcome = "passes"
+    if least < fails_below:
+        outcome = "fails"
+    elif least < warns_below:
+        outcome = "warns"
+    numbers = {f"{_name(name)}_m": worth for name, worth in left.items() if worth is not None}
+    return Verdict(
+        check,
+        outcome,
+        f"{number(base)} m as it is; {told}.",
+        {"base_m": base, **numbers, "least_left": least},
+    )
+
+
+def _words(worth: float | None, base: float) -> str:
+    if worth is None:
+        return "lets the physics diverge"
+    return f"leaves {number(worth)} m ({100 * worth / base:.0f} %)"
+
+
+def _name(words: str) -> str:
+    return "_".join(words.replace("%", "percent").split())

@@ -1,0 +1,34 @@
+"""Does the robot do in other episodes what the run tells?"""
+
+from __future__ import annotations
+
+from robomore.audit.subject import Subject
+from robomore.runs.words import number
+from robomore.store.audit import Outcome, Verdict
+
+FAILS_BELOW, WARNS_BELOW = 0.5, 0.8
+"""Fractions of the fitness that the run tells. Episodes differ by their start, and a mean of ten of
+them is off by a few per cent; half of it is another robot, another policy, or a number that is not
+the run's."""
+
+
+def check(subject: Subject) -> Verdict:
+    """Measure in episodes that no measurement of a run uses."""
+    name = "other seeds"
+    found = subject.measured()
+    if found is None:
+        return Verdict(name, "fails", "In episodes with other seeds the physics diverges.")
+    low, high = min(found.episode_fitness), max(found.episode_fitness)
+    said = (
+        f"{number(found.fitness)} m in {len(found.episode_fitness)} other episodes "
+        f"({number(low)} to {number(high)} m)"
+    )
+    numbers = {"fitness_m": found.fitness, "lowest_m": low, "highest_m": high}
+    if subject.reported is None:
+        return Verdict(name, "passes", f"{said}; the run tells no number.", numbers)
+    numbers["reported_m"] = subject.reported
+    share = found.fitness / subject.reported if subject.reported > 0 else 1.0
+    outcome: Outcome = (
+        "fails" if share < FAILS_BELOW else "warns" if share < WARNS_BELOW else "passes"
+    )
+    return Verdict(name, outcome, f"{said}; the run tells {number(subject.reported)} m.", numbers)

@@ -1,0 +1,140 @@
+"""`robomore gallery`: champions of many runs, each in a small folder of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robomore.cli.output import console, tell, write, write_json
+from robomore.errors import InputError
+
+if TYPE_CHECKING:
+    from robomore.runs.gallery import Entry
+
+
+def gallery(*runs: Path, out: Path) -> None:
+    """Copy the champions of runs into a gallery, which `robomore show` reads.
+
+    Each takes a folder with parameters, reward, policy and audit. A champion that was not audited
+    is audited first, which takes about a minute.
+
+    Parameters
+    ----------
+    runs
+        Folders of finished runs.
+    out
+        Folder of the gallery, made if it is not there. What is in it stays.
+    """
+    from robomore.experiment.auditing import audit_run
+    from robomore.runs import load_run
+    from robomore.runs.audits import audit_of
+    from robomore.runs.gallery import add_entry
+
+    if not runs:
+        raise InputError("no run was named; give the folders of finished runs")
+    for path in runs:
+        found = load_run(path)
+        if found.final and audit_of(found) is None:
+            tell(f"auditing {path}\n")
+            audit_run(path)
+        write(f"{add_entry(found, out)}\n")
+
+
+def show_gallery(folder: Path, as_json: bool) -> None:
+    """Print a table of the champions in a gallery."""
+    from rich.table import Table
+
+    from robomore.runs.gallery import load_gallery
+    from robomore.runs.words import number
+
+    entries = load_gallery(folder)
+    if as_json:
+        write_json([_data(one) for one in entries])
+        return
+    table = Table(box=None, pad_edge=False)
+    table.add_column("champion")
+    table.add_column("task")
+    for heading in ("efficiency m/m³", "fitness m", "volume m³", "over reference", "equal density"):
+        table.add_column(heading, justify="right")
+    table.add_column("audit")
+    for one in entries:
+        table.add_row(
+            one.folder.name,
+            one.task.title,
+            number(one.efficiency),
+            number(one.fitness),
+            number(one.facts.volume),
+            number(_over_reference(one), 3),
+            number(one.audit.equal_density.get("efficiency")) if one.audit else "-",
+            _verdict(one),
+        )
+    console().print(table)
+
+
+def show_entry(folder: Path, as_json: bool) -> None:
+    """Print one champion: numbers, parameters, reward, origin and audit."""
+    from rich.table import Table
+
+    from robomore.cli.audit import print_audit
+    from robomore.runs.gallery import load_entry
+    from robomore.runs.words import number
+
+    one = load_entry(folder)
+    if as_json:
+        write_json(_data(one))
+        return
+    screen = console()
+    screen.print(f"{one.task.title}: {one.folder.name}", style="bold")
+    if one.origin is not None:
+        origin = one.origin
+        designer = f", designer {origin.designer}" if origin.designer else ""
+        screen.print(
+            f"preset {origin.preset}, method {origin.method}{designer}, seed {origin.seed}; "
+            f"trained for {origin.steps:,} steps with {len(one.facts.seeds)} seeds"
+        )
+        screen.print(origin.provenance)
+    table = Table(box=None, pad_edge=False, show_header=False)
+    table.add_column()
+    table.add_column(justify="right")
+    table.add_row("efficiency m/m³", number(one.efficiency))
+    table.add_row("over the reference design", number(_over_reference(one), 3))
+    table.add_row("fitness m", number(one.fitness))
+    table.add_row("volume m³", number(one.facts.volume))
+    for parameter in one.task.parameters:
+        value = number(one.facts.parameters[parameter.name])
+        table.add_row(f"{parameter.name} {parameter.unit}", value)
+    screen.print(table)
+    screen.print(f"\n{one.reward.rstrip()}\n")
+    if one.audit is None:
+        screen.print("It is not audited.")
+    else:
+        print_audit(one.audit)
+
+
+def _over_reference(one: Entry) -> float | None:
+    reference = one.origin.reference_efficiency if one.origin else ()
+    mean = sum(reference) / len(reference) if reference else 0.0
+    return one.efficiency / mean if one.efficiency is not None and mean > 0 else None
+
+
+def _verdict(one: Entry) -> str:
+    if one.audit is None:
+        return "not audited"
+    if not one.audit.passes:
+        return f"fails: {', '.join(verdict.check for verdict in one.audit.failed)}"
+    return f"passes, {len(one.audit.warned)} warn" if one.audit.warned else "passes"
+
+
+def _data(one: Entry) -> dict[str, Any]:
+    import msgspec
+
+    audit = None
+    if one.audit is not None:
+        audit = {"passes": one.audit.passes, **msgspec.to_builtins(one.audit)}
+    return {
+        "name": one.folder.name,
+        **msgspec.to_builtins(one.facts),
+        "reward": one.reward,
+        "origin": msgspec.to_builtins(one.origin),
+        "audit": audit,
+    }

@@ -1,0 +1,134 @@
+"""`robomore new` and `robomore check-task`: a robot of one's own, from its file to a task."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from robomore.cli.inputs import new_folder
+from robomore.cli.output import write
+
+if TYPE_CHECKING:
+    from robomore.importer.task_file import ReadTask
+    from robomore.tasks import Task
+
+
+def new(
+    robot: Path,
+    /,
+    *,
+    free: Annotated[list[str] | None, Parameter(negative="")] = None,
+    base: Literal["free", "fixed"] | None = None,
+    out: Path | None = None,
+) -> None:
+    """Make a task from a robot's MJCF or URDF file: a small text file to be edited.
+
+    Parameters
+    ----------
+    robot
+        An MJCF file (.xml) or a URDF file (.urdf).
+    free
+        What is to be free, as a name or a pattern (`thigh`, `*_length`, `calf_strength`); may be
+        given several times. By default the length and thickness of the longest links.
+    base
+        Whether the robot moves freely or is fixed to the world. By default as an MJCF file says; a
+        URDF file does not say it, and its robot moves freely.
+    out
+        New folder for the task file, the robot and its meshes; by default named after the robot.
+    """
+    from robomore.importer.proposal import write_proposal
+    from robomore.importer.reading import read_robot
+    from robomore.importer.task_file import read_task_file
+
+    read = read_robot(robot, base)
+    folder = out or Path(robot.stem)
+    new_folder(folder)
+    file = write_proposal(read, robot, folder, free or ())
+    _tell(read_task_file(file))
+    write(
+        f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n"
+        f"robomore check-task {file}\n"
+        f"robomore run {file} --preset smoke\n"
+    )
+
+
+def check_task(task: str, /, *, picture: Path | None = None) -> None:
+    """Say how a task was understood, and what is wrong with it, before anything trains.
+
+    Parameters
+    ----------
+    task
+        A task file (.toml), or the id of an installed task.
+    picture
+        Draw the robot into this file (.svg or .png).
+    """
+    from robomore.errors import InputError
+    from robomore.importer.task_file import read_task_file
+    from robomore.rendering.drawing import draw
+    from robomore.rendering.pictures import save_picture
+    from robomore.tasks import get_task
+    from robomore.tasks.registry import SUFFIX
+    from robomore.testing.tasks import check_task as check
+
+    if task.endswith(SUFFIX):
+        read = read_task_file(Path(task))
+        chosen = read.task
+        _tell(read)
+    else:
+        chosen = get_task(task)
+    _tell_simulated(chosen)
+    if picture is not None:
+        save_picture(draw(chosen, chosen.reference), picture, chosen.title)
+        write(f"picture: {picture}\n")
+    try:
+        check(chosen)
+    except AssertionError as error:
+        raise InputError(f"{task}: {error}") from None
+    write("nothing is wrong with this task\n")
+
+
+def _tell(read: ReadTask) -> None:
+    """Say what was found in a robot and what is free."""
+    from robomore.importer.limbs import find_links, groups
+
+    model = read.robot.spec().compile()
+    lines = [
+        f"{read.task.title}: {len(find_links(model))} links, {float(model.body_mass.sum()):.4g} kg"
+    ]
+    for name, group in groups(find_links(model), model):
+        size = f"{group[0].length:.3g} m long" if group[0].length else "no limb"
+        lines.append(f"  {name:20} {size:14} {', '.join(link.name for link in group)}")
+    for edit, parameter in zip(read.plan.edits, read.task.parameters, strict=True):
+        lines.append(
+            f"  free: {parameter.name} = {parameter.reference:.4g} {parameter.unit} "
+            f"({parameter.low:g} to {parameter.high:g}), the {edit.changes} of "
+            f"{', '.join(edit.parts)}"
+        )
+    lines.append(f"  mass by {read.task.mass}")
+    lines += [f"  note: {note}" for note in read.notes]
+    write("\n".join(lines) + "\n")
+
+
+def _tell_simulated(task: Task) -> None:
+    """Say what a policy sees and moves."""
+    import mujoco
+    import numpy as np
+
+    from robomore.envs.compile import body_facts
+    from robomore.envs.vector_env import VectorEnv
+
+    env = VectorEnv(task, task.reference, 1)
+    model, control = env.model, env.environment.control_map()
+    facts = body_facts(task, task.reference)
+    lines = [
+        f"  volume {facts['volume']:.6f} m³, mass {facts['mass']:.4g} kg, root at "
+        f"{facts['rest_height']:.3g} m at rest",
+        f"  {env.observation_size} numbers are observed, {env.action_size} motors move:",
+    ]
+    lows, rests, highs = (control.controls(np.full(model.nu, at)) for at in (-1.0, 0.0, 1.0))
+    for motor, (low, rest, high) in enumerate(zip(lows, rests, highs, strict=True)):
+        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_ACTUATOR, motor) or f"motor {motor}"
+        lines.append(f"    {name}: action -1, 0, 1 is control {low:.3g}, {rest:.3g}, {high:.3g}")
+    write("\n".join(lines) + "\n")

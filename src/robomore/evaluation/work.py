@@ -1,0 +1,69 @@
+"""What executors call: one encoded request in, one encoded answer out, wherever this runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import msgspec
+
+from robomore.errors import InputError, UnfitWorker
+from robomore.evaluation.evaluate import evaluate
+from robomore.evaluation.request import Request
+from robomore.executors.carried import carried_folder
+from robomore.sandbox.call import Containment
+from robomore.sandbox.layers import ensure
+from robomore.store.manifest import package_versions
+from robomore.text import to_json
+
+
+def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
+    """Do an encoded `Request`; returns an encoded `Answer`.
+
+    Raises:
+        UnfitWorker: this machine is not as the run needs it; nothing was begun.
+    """
+    request = msgspec.json.decode(payload, type=Request)
+    if request.scratch:
+        return to_json(evaluate(request, progress))
+    _refuse_other_versions(request.versions)
+    _refuse_leaks(request.containment)
+    checkpoint = str(carried_folder(request.checkpoint)) if request.checkpoint else ""
+    with TemporaryDirectory(prefix="robomore-", ignore_cleanup_errors=True) as folder:
+        here = replace(request, scratch=str(Path(folder) / "scratch"), checkpoint=checkpoint)
+        return to_json(evaluate(here, progress))
+
+
+def _refuse_other_versions(wanted: dict[str, str]) -> None:
+    """Refuse to give numbers that would be others than those of whoever asks.
+
+    Raises:
+        UnfitWorker: naming the packages.
+    """
+    found = package_versions(*(name for name in wanted if name != "python"))
+    other = [
+        f"{name} {found[name]} instead of {version}"
+        for name, version in wanted.items()
+        if found[name] != version
+    ]
+    if other:
+        raise UnfitWorker(
+            f"it has {', '.join(other)}, which could change the numbers; install the same versions "
+            "on every machine"
+        )
+
+
+@cache
+def _refuse_leaks(containment: str) -> None:
+    """Check once in this process that the sandbox of this machine holds.
+
+    Raises:
+        UnfitWorker: a layer is missing, and `containment` is strict.
+    """
+    try:
+        ensure(Containment(containment))
+    except InputError as error:
+        raise UnfitWorker(str(error)) from None

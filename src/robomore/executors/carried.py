@@ -1,0 +1,62 @@
+"""Folders that jobs hand on to later jobs, as one row of bytes: they travel between machines.
+
+Untrusted code may have written what is in such a folder. Nothing of it is read here but names and
+sizes, and only plain files are made of it again.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import msgspec
+
+from robomore.plain_files import PlainFolder, is_plain_name
+
+_MOST_BYTES = 2 * 2**30
+"""Of a folder that is carried; a larger one stays behind."""
+_MOST_FILES = 16
+
+
+def carried_folder(name: str) -> Path:
+    """Return where a job finds the folder that is carried to it under that name."""
+    return Path(tempfile.gettempdir()) / "carried" / name
+
+
+def packed(folder: Path) -> bytes | None:
+    """Return the files of `folder` as bytes; `None` if there are none, or too much to carry.
+
+    Raises:
+        OSError: something in it cannot be read.
+        RunFolderError: something in it is not a plain file.
+    """
+    files = PlainFolder(folder, follow=False)
+    names = files.names()
+    if not names or len(names) > _MOST_FILES:
+        return None
+    contents, left = [], _MOST_BYTES
+    for name in names:
+        contents.append(files.read(name, left))
+        left -= len(contents[-1])
+    head = msgspec.json.encode([(n, len(c)) for n, c in zip(names, contents, strict=True)])
+    return b"\n".join([head, b"".join(contents)])
+
+
+def unpack(content: bytes, folder: Path) -> None:
+    """Make the files in `folder` that `packed` was given.
+
+    Raises:
+        ValueError: these bytes do not come from `packed`.
+    """
+    end = content.index(b"\n")
+    listed = msgspec.json.decode(content[:end], type=list[tuple[str, int]])
+    if len(listed) > _MOST_FILES or not all(is_plain_name(n) and size >= 0 for n, size in listed):
+        raise ValueError("names that are no plain names, or too many of them")
+    if end + 1 + sum(size for _, size in listed) != len(content):
+        raise ValueError("the sizes do not add up")
+    folder.mkdir(parents=True, exist_ok=True)
+    files = PlainFolder(folder, follow=False)
+    begin = end + 1
+    for name, size in listed:
+        files.write(name, content[begin : begin + size])
+        begin += size

@@ -1,0 +1,146 @@
+"""One worker process, seen from its parent: it runs one job at a time, and is replaced if it dies.
+
+It gets an allow-list of the parent's environment, so no API key reaches it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import IO
+
+import msgspec
+
+from robomore.executors.executor import Done, Failed, Outcome
+from robomore.executors.worker import Call, Progressed, Replied, Reply, Unfit
+from robomore.text import to_json
+
+_THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_INHERITED = (
+    *("PATH", "HOME", "TMPDIR", "TZ", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH"),
+    *("XDG_CACHE_HOME", "ROBOMORE_CACHE"),
+)
+"""The environment variables that a worker inherits: enough to start Python, and no API key."""
+_LOG_TAIL = 2000
+
+
+def clean_environment() -> dict[str, str]:
+    """Return the variables of this process that another one may inherit: none holds a key."""
+    return {name: os.environ[name] for name in _INHERITED if name in os.environ}
+
+
+class WorkerProcess:
+    """A process that starts with its first job.
+
+    Args:
+        extra: environment variables besides those of the allow-list. Never pass a secret.
+    """
+
+    def __init__(self, extra: Mapping[str, str] = {}) -> None:
+        self._extra = dict(extra)
+        self._process: subprocess.Popen[bytes] | None = None
+        self._log: IO[bytes] | None = None
+        self._told = 0
+        self._lock = threading.Lock()
+        self.closed = False
+
+    def run(
+        self, function: str, payload: bytes, progress: Callable[[int], None], timeout: float
+    ) -> Outcome:
+        """Run one job and return how it ended.
+
+        Args:
+            function: `module:name` of a `JobFunction`.
+            payload: of the job.
+            progress: told the units done, in this thread.
+            timeout: seconds after which the process is killed.
+        """
+        try:
+            process = self._started()
+        except Exception as error:  # noqa: BLE001  # whatever the system refuses
+            reason = f"the worker process could not be used ({error})"
+            return Failed(reason, unstarted=True)
+        assert process.stdin is not None and process.stdout is not None
+        deadline = threading.Timer(timeout, self._kill)
+        began = time.monotonic()
+        deadline.start()
+        try:
+            process.stdin.write(to_json(Call(function, payload)) + b"\n")
+            process.stdin.flush()
+            for line in process.stdout:
+                reply = msgspec.json.decode(line, type=Reply)
+                if isinstance(reply, Progressed):
+                    progress(reply.units)
+                elif isinstance(reply, Replied):
+                    return Done(reply.reply)
+                elif isinstance(reply, Unfit):
+                    return Failed(reply.reason, unstarted=True)
+                else:
+                    return Failed(reply.traceback)
+        except (BrokenPipeError, msgspec.DecodeError):
+            self._kill()
+        finally:
+            deadline.cancel()
+        code = process.wait()
+        if time.monotonic() - began >= timeout:
+            return Failed(f"not finished after {timeout:.0f} s", timed_out=True)
+        tail = self.printed()
+        said = f"; its last output: {tail}" if tail else ""
+        return Failed(f"the worker process {_how_it_ended(code)}{said}")
+
+    def printed(self) -> str:
+        """Return the end of what the process printed since the last call."""
+        if self._log is None:
+            return ""
+        size = self._log.seek(0, os.SEEK_END)
+        self._log.seek(max(self._told, size - _LOG_TAIL))
+        self._told = size
+        return self._log.read().decode(errors="replace").strip()
+
+    def close(self) -> None:
+        """Kill the process and all processes that it started. There will be no other."""
+        with self._lock:
+            self.closed = True
+        self._kill()
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        with self._lock:
+            if self.closed:
+                raise OSError("the executor is closed")
+            if self._process is None or self._process.poll() is not None:
+                self._log = tempfile.TemporaryFile()  # noqa: SIM115  # lives as long as the worker
+                self._told = 0
+                self._process = subprocess.Popen(
+                    [sys.executable, "-m", "robomore.executors.worker"],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=self._log,
+                    # Ctrl-C goes to the parent alone, which then stops the workers in order.
+                    start_new_session=True,
+                    env=clean_environment() | dict.fromkeys(_THREAD_PINS, "1") | self._extra,
+                )
+            return self._process
+
+    def _kill(self) -> None:
+        process = self._process
+        if process is not None and process.poll() is None:
+            # The worker leads its own group, so its children go with it.
+            try:
+                os.killpg(process.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                return
+            process.wait()
+
+
+def _how_it_ended(code: int) -> str:
+    if code < 0:
+        name = signal.Signals(-code).name
+        hint = " (out of memory, or killed from outside)" if name == "SIGKILL" else ""
+        return f"was ended by {name}{hint}"
+    return f"exited with status {code}"

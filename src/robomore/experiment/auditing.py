@@ -1,0 +1,91 @@
+"""Audits of what a run keeps: one that is asked for, and those before the champion's seat."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from robomore.audit import Audit, Subject, audit
+from robomore.errors import InputError
+from robomore.evaluation.evaluator import Evaluator
+from robomore.plain_files import PlainFolder
+from robomore.runs import load_run
+from robomore.store import RunFolder
+from robomore.store.audit import AUDIT, load_audit, save_audit
+from robomore.tasks import Task
+from robomore.training.policy import POLICY, MLPPolicy
+from robomore.types import Evaluation
+
+
+def audit_run(folder: str | Path, key: str | None = None) -> Audit:
+    """Audit the policy of one evaluation of a run, and write the audit beside it.
+
+    Args:
+        folder: of the run; it may still go on.
+        key: of the evaluation, or its beginning; the champion's best training seed by default.
+
+    Raises:
+        InputError: there is no such run, evaluation or policy, or the folder cannot be written.
+    """
+    run = load_run(folder)
+    if run.task_changes:
+        raise InputError(
+            f"the task {run.task.id} was edited after the run {run.folder} "
+            f"({', '.join(run.task_changes)}), so its policy cannot be audited; install the "
+            "version that it was made with"
+        )
+    policy = run.load_policy(key)
+    evaluation = run.kept(key)
+    subject = Subject(run.task, evaluation.design.morphology.parameters, policy, evaluation.fitness)
+    return _written(RunFolder(run.folder), evaluation.artifact, audit(subject))
+
+
+def audit_design(folder: Path, task: Task, parameters: Sequence[float], policy: MLPPolicy) -> Audit:
+    """Audit a design of a folder with `design.json` and `policy.npz`, and write the audit there.
+
+    Raises:
+        InputError: the folder cannot be written.
+    """
+    found = audit(Subject(task, task.check(parameters), policy))
+    _write(PlainFolder(folder), AUDIT, found)
+    return found
+
+
+def no_doubt(group: Sequence[Evaluation]) -> str:
+    """Say nothing against anybody."""
+    return ""
+
+
+def doubt(evaluator: Evaluator, task: Task, objective: str, group: Sequence[Evaluation]) -> str:
+    """Return why a group of the final fails its audit; nothing if it passes.
+
+    The policy of its best training seed is audited: that is the one which a champion keeps.
+    """
+    best = max(group, key=lambda e: (e.ok, e.score(objective) or 0.0))
+    evaluator.restore_policies([best])
+    files, name = evaluator.folder.files, f"{evaluator.folder.artifacts.name}/{best.artifact}"
+    if not best.artifact:
+        return "it has no policy that can be audited"
+    policy = MLPPolicy.load(evaluator.folder.path / name / POLICY)
+    known = load_audit(files, f"{name}/{AUDIT}")
+    if known is None or known.policy != policy.digest:
+        parameters = best.design.morphology.parameters
+        known = _written(
+            evaluator.folder, best.artifact, audit(Subject(task, parameters, policy, best.fitness))
+        )
+    return " ".join(f"{one.check}: {one.says}" for one in known.failed)
+
+
+def _written(folder: RunFolder, artifact: str, found: Audit) -> Audit:
+    _write(folder.files, f"{folder.artifacts.name}/{artifact}/{AUDIT}", found)
+    return found
+
+
+def _write(files: PlainFolder, name: str, found: Audit) -> None:
+    try:
+        save_audit(files, name, found)
+    except OSError as error:
+        raise InputError(
+            f"cannot write {files.path / name} ({error.strerror}); copy the folder to where you "
+            "may write, and audit the copy"
+        ) from None

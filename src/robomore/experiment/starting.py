@@ -1,0 +1,82 @@
+"""What a run starts from: checked before anything begins, and put where its method looks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from robomore.errors import InputError, InvalidMorphology
+from robomore.rewards.check import check_reward
+from robomore.runs import Run
+from robomore.tasks import Task
+from robomore.types import Design, Morphology, Reward, Start
+
+Given = Start | Design | Morphology | Reward | Run
+"""What a search can start from: one's own values, or the champion of an earlier run."""
+
+
+def checked_starts(task: Task, given: Sequence[Given]) -> tuple[Start, ...]:
+    """Return what was given as starts that can be trained in `task`.
+
+    Args:
+        task: of the new run, with its limits as rules.
+        given: in the order in which they are tried.
+
+    Raises:
+        InputError: a run has no design yet or is of another robot, or a reward has an error.
+        InvalidMorphology: the task refuses a morphology.
+    """
+    starts = []
+    for number, one in enumerate(given, start=1):
+        start = _as_start(task, one, f"start {number}")
+        if start.morphology:
+            try:
+                parameters = task.check(start.morphology.parameters)
+            except InvalidMorphology as error:
+                raise InvalidMorphology(f"{start.origin}: {error}") from None
+            idea = f"given ({start.origin}): {start.morphology.idea}".removesuffix(": ")
+            start = replace(start, morphology=Morphology(parameters, idea))
+        if start.reward:
+            faults = [f for f in check_reward(start.reward.source) if f.severity == "error"]
+            if faults:
+                said = "; ".join(f"line {fault.line}: {fault.message}" for fault in faults)
+                raise InputError(f"{start.origin}: the reward cannot be used: {said}")
+            idea = f"given ({start.origin}): {start.reward.idea}".removesuffix(": ")
+            start = replace(start, reward=Reward(start.reward.source, idea))
+        starts.append(start)
+    return tuple(starts)
+
+
+def _as_start(task: Task, given: Given, name: str) -> Start:
+    match given:
+        case Start():
+            return given
+        case Design():
+            return Start(name, given.morphology, given.reward)
+        case Morphology():
+            return Start(name, given)
+        case Reward():
+            return Start(name, reward=given)
+        case Run():
+            return champion_of(task, given)
+    raise InputError(
+        f"a search cannot start from a {type(given).__name__}; give a Design, a Morphology, a "
+        "Reward or a Run"
+    )
+
+
+def champion_of(task: Task, run: Run) -> Start:
+    """Return the champion of a run of the same robot as a start.
+
+    Raises:
+        InputError: it has none yet, or its robot has other parameters.
+    """
+    origin = str(run.folder)
+    if run.champion is None:
+        raise InputError(f"{origin} has no design yet; run it on, or name another run")
+    if run.task.names != task.names:
+        raise InputError(
+            f"{origin} is a run of {run.task.id}, whose parameters are not those of {task.id}"
+        )
+    design = run.champion.design
+    return Start(origin, design.morphology, design.reward)

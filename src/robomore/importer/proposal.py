@@ -1,0 +1,255 @@
+"""Proposes a task for a robot: what is free, how it rests, what moves it, and what it is to do."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import mujoco
+
+from robomore.errors import InputError
+from robomore.importer.edits import MASS_MODES, MotorGroup
+from robomore.importer.feet import contact_names
+from robomore.importer.limbs import Link, find_links, groups, kind
+from robomore.importer.motors import propose_motors
+from robomore.importer.reading import SIMPLE_JOINTS, Robot
+from robomore.importer.rest import propose_home
+from robomore.importer.strength import strength_of
+from robomore.plain_files import cannot_write
+
+TASK_FILE, ROBOT_FILE = "task.toml", "robot.xml"
+
+_MOST_GROUPS = 6
+"""Groups of links that are proposed as free, the longest ones."""
+
+_LEAST_SHARE = 0.25
+"""Links shorter than this fraction of the longest one are not proposed as free."""
+
+_WALKING = '''def _get_rew(self, x_velocity, action):
+    """Forward speed, a bonus for staying upright, less the cost of effort."""
+    forward = 2.0 * min(x_velocity, 2.0)
+    upright = np.cos(self.tilt)
+    sideways = -0.5 * abs(self.data.qvel[1]) - 0.5 * abs(self.heading)
+    effort = -0.05 * float(np.square(action).mean())
+    terms = {"forward": forward, "upright": upright, "sideways": sideways, "effort": effort}
+    return sum(terms.values()), terms
+'''
+_REACHING = '''def _get_rew(self, x_velocity, action):
+    """Closeness of the tip to the target, less the cost of effort."""
+    near = 1.0 - float(np.tanh(3.0 * self.target_distance))
+    effort = -0.05 * float(np.square(action).mean())
+    return near + effort, {"near": near, "effort": effort}
+'''
+
+
+def write_proposal(robot: Robot, source: Path, out: Path, free: Sequence[str] = ()) -> Path:
+    """Write a task file, the robot and its meshes into a new folder; returns the task file.
+
+    Args:
+        robot: as it was read.
+        source: the file that it was read from.
+        out: the folder.
+        free: patterns of the parameters or groups of links that are to be free; by default the
+            length and thickness of the longest links.
+
+    Raises:
+        InputError: a pattern fits nothing, or the folder cannot be written.
+    """
+    text = proposal(robot, source.stem, free)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for name, data in robot.assets.items():
+            (out / name).write_bytes(data)
+        (out / ROBOT_FILE).write_text(robot.xml, encoding="utf-8")
+        (out / TASK_FILE).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise cannot_write(out, error, "name another folder with --out") from None
+    return out / TASK_FILE
+
+
+def proposal(robot: Robot, name: str, free: Sequence[str] = ()) -> str:
+    """Return the text of a task file for a robot; see `write_proposal`."""
+    model = robot.spec().compile()
+    motors = propose_motors(model)
+    moves = bool(model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
+    stated = any(body.explicitinertial for body in robot.spec().bodies)
+    lines = [
+        "# A task of RoboMoRe, made from a robot's file. Edit it as you like;",
+        "# `robomore check-task` says what is wrong with it and how it was understood.",
+        f"id = {_text(_identifier(name))}",
+        f"title = {_text(name.replace('_', ' ').replace('-', ' ').title())}",
+        f'description = """{_description(model, moves)}"""',
+        f"robot = {_text(ROBOT_FILE)}",
+        "",
+        *(_goal(moves)),
+        "",
+        *(f"# {mode}: {meaning}." for mode, meaning in MASS_MODES.items()),
+        f"mass = {_text('length' if stated else 'density')}",
+        "",
+        "control_hz = 50",
+        "episode_seconds = 20",
+        "",
+    ]
+    if home := propose_home(robot, model):
+        lines += ["[home.joints]  # the pose at rest: rad, or m for sliding joints"]
+        lines += [f"{_key(joint)} = {value:g}" for joint, value in home.items()] + [""]
+    if moves:
+        lines += [
+            "[health]  # an episode ends early beyond these limits",
+            "tilt_degrees = 60",
+            "height = [0.5, 2.0]  # of the root, in multiples of that at rest",
+            "",
+        ]
+    else:
+        lines += ["[target]", f"part = {_text(_tip(model))}", f"position = {_place(model)}", ""]
+    for group in motors:
+        lines += _actuator(group)
+    found = _parameters(robot, model, motors)
+    for parameter in _chosen(found, free):
+        lines += parameter
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _goal(moves: bool) -> list[str]:
+    reward = _WALKING if moves else _REACHING
+    return [
+        f"fitness = {_text('distance' if moves else 'target-reached')}",
+        f"reward = '''\n{reward}'''",
+    ]
+
+
+def _parameters(
+    robot: Robot, model: mujoco.MjModel, motors: Sequence[MotorGroup]
+) -> dict[str, tuple[bool, list[str]]]:
+    """Return all parameters by name: whether one is free by default, and its lines."""
+    links = groups(find_links(model), model)
+    limbs = sorted(links, key=lambda one: -one[1][0].length)
+    longest = max((group[0].length for _, group in limbs), default=0.0)
+    usual = [
+        name for name, group in limbs[:_MOST_GROUPS] if group[0].length >= _LEAST_SHARE * longest
+    ]
+    found: dict[str, tuple[bool, list[str]]] = {}
+    for name, group in links:
+        if group[0].length:
+            length = max(link.length for link in group)
+            lines = _parameter(f"{name}_length", "length", _names(group), length, "length of")
+            found[f"{name}_length"] = name in usual, lines
+        if group[0].radius:
+            radius = max(link.radius for link in group)
+            lines = _parameter(f"{name}_radius", "radius", _names(group), radius, "radius of")
+            found[f"{name}_radius"] = name in usual and bool(group[0].length), lines
+    strengths: dict[tuple[str, float], list[str]] = {}
+    for joint in range(model.njnt):
+        if int(model.jnt_type[joint]) in SIMPLE_JOINTS:
+            joint_name = model.joint(joint).name
+            if strength := strength_of(robot, motors, joint_name):
+                strengths.setdefault((kind(joint_name), strength), []).append(joint_name)
+    for (name, strength), joints in strengths.items():
+        lines = _parameter(
+            f"{name}_strength", "strength", joints, strength, "largest torque of the motors of"
+        )
+        found.setdefault(f"{name}_strength", (False, lines))
+    return found
+
+
+def _chosen(found: dict[str, tuple[bool, list[str]]], free: Sequence[str]) -> list[list[str]]:
+    """Return the lines of the parameters that `free` asks for.
+
+    Raises:
+        InputError: a pattern fits none.
+    """
+    if not free:
+        chosen = [name for name, (usual, _) in found.items() if usual]
+    else:
+        chosen = []
+        for pattern in free:
+            fits = [name for name in found if fnmatchcase(name, pattern)]
+            fits = fits or [
+                name
+                for name in found
+                if fnmatchcase(name.rpartition("_")[0], pattern) and not name.endswith("_strength")
+            ]
+            if not fits:
+                raise InputError(
+                    f"--free {pattern}: nothing fits; there are {', '.join(found) or 'none'}"
+                )
+            chosen += [name for name in fits if name not in chosen]
+    if not chosen:
+        raise InputError(
+            "no limb was found whose length or thickness could be free; give the links geoms"
+        )
+    return [found[name][1] for name in chosen]
+
+
+def _parameter(
+    name: str, changes: str, parts: Sequence[str], reference: float, meaning: str
+) -> list[str]:
+    what = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+    return [
+        "[[parameter]]",
+        f"name = {_text(name)}",
+        f"changes = {_text(changes)}",
+        f"of = {json.dumps(list(parts))}",
+        f"low = {reference / 2:.2g}",
+        f"high = {reference * 2:.2g}",
+        f"meaning = {_text(f'{meaning} {what}')}",
+        "",
+    ]
+
+
+def _actuator(group: MotorGroup) -> list[str]:
+    lines = [
+        "[[actuator]]",
+        f"joints = {json.dumps(list(group.joints))}",
+        f"kind = {_text(group.kind)}",
+        f"torque = {group.torque:g}  # N·m",
+    ]
+    if group.kind == "servo":
+        lines += [f"stiffness = {group.stiffness:g}", f"damping = {group.damping:g}"]
+    return [*lines, f"armature = {group.armature:g}", ""]
+
+
+def _description(model: mujoco.MjModel, moves: bool) -> str:
+    links = groups(find_links(model), model)
+    parts = [f"{len(group)} x {name}" if len(group) > 1 else name for name, group in links]
+    joints = sum(int(kind) in SIMPLE_JOINTS for kind in model.jnt_type)
+    base = "that moves freely" if moves else "whose base is fixed to the ground"
+    feet = list(contact_names(model))
+    ends = f" Its limbs end in {', '.join(feet)}." if feet else ""
+    goal = (
+        "The goal is to move forward, in the direction of +x, as far as possible."
+        if moves
+        else "The goal is to bring the tip to the target and to hold it there."
+    )
+    return f"A robot {base}, with {joints} joints. Its links are {', '.join(parts)}.{ends}\n{goal}"
+
+
+def _tip(model: mujoco.MjModel) -> str:
+    """Return the part of an arm that is to reach a target: its last site, or its last link."""
+    if model.nsite:
+        return str(model.site(model.nsite - 1).name)
+    return str(model.body(model.nbody - 1).name)
+
+
+def _place(model: mujoco.MjModel) -> list[float]:
+    """Return a place that an arm can reach: beside its base, half as far as it is long."""
+    reach = sum(link.length for link in find_links(model).values())
+    return [round(0.4 * reach, 2), round(0.2 * reach, 2), round(0.4 * reach, 2)]
+
+
+def _names(group: Sequence[Link]) -> list[str]:
+    return [link.name for link in group]
+
+
+def _identifier(name: str) -> str:
+    return "".join(one if one.isalnum() else "-" for one in name.lower()).strip("-") or "robot"
+
+
+def _key(name: str) -> str:
+    return name if all(one.isalnum() or one in "-_" for one in name) else _text(name)
+
+
+def _text(value: str) -> str:
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,81 @@
+"""Proposes a pose in which a robot stands, where its file says none."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.importer.limbs import find_links
+from robomore.importer.reading import SIMPLE_JOINTS, Robot
+
+_TRIES = 121
+"""Angles of a joint that are tried."""
+
+_PARALLEL = 0.9
+"""Cosine above which two hinges bend a limb in one plane."""
+
+
+def propose_home(robot: Robot, model: mujoco.MjModel) -> dict[str, float]:
+    """Return the angle (rad) or position (m) at rest of the joints that do not rest at 0.
+
+    A joint whose range leaves out 0, such as a dog's knee, rests in the middle of its range. The
+    hinge above it then turns so that the end of the limb comes to lie straight below that hinge.
+    """
+    if robot.home:
+        return {name: value for name, value in robot.home.items() if value}
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.qpos0
+    home: dict[str, float] = {}
+    bent = []
+    for joint in range(model.njnt):
+        low, high = (float(limit) for limit in model.jnt_range[joint])
+        limited = int(model.jnt_type[joint]) in SIMPLE_JOINTS and model.jnt_limited[joint]
+        if limited and not low <= 0.0 <= high:
+            home[model.joint(joint).name] = round((low + high) / 2, 3)
+            data.qpos[model.jnt_qposadr[joint]] = (low + high) / 2
+            bent.append(joint)
+    mujoco.mj_kinematics(model, data)
+    for joint in bent:
+        above = _hinge_above(model, data, joint)
+        if above is not None:
+            home[model.joint(above).name] = round(_straighten(model, data, above, joint), 3)
+    return home
+
+
+def _hinge_above(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> int | None:
+    """Return the parallel hinge of the link before, `None` if there is none."""
+    body = int(model.body_parentid[model.jnt_bodyid[joint]])
+    for other in range(model.njnt):
+        if model.jnt_bodyid[other] != body or model.jnt_type[other] != mujoco.mjtJoint.mjJNT_HINGE:
+            continue
+        if abs(float(data.xaxis[joint] @ data.xaxis[other])) > _PARALLEL:
+            return other
+    return None
+
+
+def _straighten(model: mujoco.MjModel, data: mujoco.MjData, hinge: int, bent: int) -> float:
+    """Turn `hinge` until the end of the limb is below it; returns the angle in rad."""
+    low, high = model.jnt_range[hinge] if model.jnt_limited[hinge] else (-np.pi, np.pi)
+    angles = np.linspace(max(low, -np.pi), min(high, np.pi), _TRIES)
+    body, tip = _end_of_limb(model, int(model.jnt_bodyid[bent]))
+    address = int(model.jnt_qposadr[hinge])
+
+    def aside(angle: float) -> float:
+        data.qpos[address] = angle
+        mujoco.mj_kinematics(model, data)
+        end = data.xpos[body] + data.xmat[body].reshape(3, 3) @ tip
+        away = end - data.xanchor[hinge]
+        return float(np.hypot(away[0], away[1])) + (1.0 if away[2] > 0 else 0.0)
+
+    best = float(min(angles, key=aside))
+    aside(best)
+    return best
+
+
+def _end_of_limb(model: mujoco.MjModel, body: int) -> tuple[int, NDArray[np.float64]]:
+    links = {link.body: link for link in find_links(model).values()}
+    while not links[body].leaf:
+        body = next(b for b in links if model.body_parentid[b] == body)
+    link = links[body]
+    return body, np.array(link.axis) * link.length

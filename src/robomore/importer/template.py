@@ -1,0 +1,331 @@
+"""Turns a robot and its free parameters into an MJCF template with named placeholders.
+
+A changed link is stretched along its axis: what is attached to it moves, its solids grow, and its
+mass and inertia follow. Each number that changes is written as an amount of the parameters, so that
+filling the template and compiling it anew gives any morphology, and nothing is edited in place. No
+placeholder tells the reference: lengths stand there as multiples of the parameter.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from robomore.envs.compile import geom_volume
+from robomore.errors import InputError
+from robomore.importer.amounts import Amount, texts
+from robomore.importer.edits import Edit, MassMode, MotorGroup
+from robomore.importer.limbs import ROUND, Link, ends, find_links, geoms_of, rotation
+from robomore.importer.reading import FLOOR, Robot
+
+_PLACED = ("pos", "quat", "euler", "axisangle", "xyaxes", "zaxis", "fromto")
+_SIZED = {"geom": (*_PLACED, "size", "mass"), "site": _PLACED, "joint": ("pos", "axis")}
+"""Attributes that are written for each part, and so stand in no class of defaults."""
+
+_ROUNDING = 1e-6
+"""Lengths in m below which a coordinate is rounding: MuJoCo writes six digits."""
+
+Matrix = NDArray[Any]
+
+
+class TemplateWriter:
+    """Writes the template of one robot.
+
+    Attributes:
+        root: the MJCF text as a tree, which further parts can be added to.
+        mesh_volumes: enclosed volume of each mesh in m³ at scale 1.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        edits: Sequence[Edit],
+        motors: Sequence[MotorGroup] = (),
+        mass: MassMode = "density",
+        payload: float = 0.5,
+    ) -> None:
+        """Prepare the template.
+
+        Args:
+            robot: as it was read.
+            edits: what each parameter changes.
+            motors: that are added.
+            mass: how mass follows from size.
+            payload: fraction of a link's mass that stays as it is in the mode `shell`.
+        """
+        self._spec = robot.spec()
+        self._model = self._spec.compile()
+        self._links = find_links(self._model)
+        self._mass, self._payload = mass, payload
+        self._stretch: dict[str, Amount] = {}
+        self._thicken: dict[str, Amount] = {}
+        self.mesh_volumes: dict[str, float] = {}
+        self.root = ET.fromstring(robot.xml)
+        self._mend_classes()
+        for edit in edits:
+            self._note(edit)
+        world = self._part("worldbody")
+        for body in world.findall("body"):
+            self._write_body(body)
+        self._add_floor(world)
+        self._add_motors(motors)
+        for edit in edits:
+            if edit.changes == "strength":
+                self._strengthen(edit)
+
+    def text(self) -> str:
+        """Return the template."""
+        ET.indent(self.root)
+        return ET.tostring(self.root, encoding="unicode") + "\n"
+
+    def add(self, section: str, tag: str, **attributes: str) -> None:
+        """Add a part to a section, such as a sensor."""
+        ET.SubElement(self._part(section), tag, attributes)
+
+    def _part(self, tag: str) -> ET.Element:
+        found = self.root.find(tag)
+        return ET.SubElement(self.root, tag) if found is None else found
+
+    def _mend_classes(self) -> None:
+        """Take from the classes of defaults what each part says for itself."""
+        for group in self.root.iter("default"):
+            for tag, names in _SIZED.items():
+                for part in group.findall(tag):
+                    for name in names:
+                        part.attrib.pop(name, None)
+
+    def _note(self, edit: Edit) -> None:
+        for name in edit.parts:
+            if edit.changes == "strength":
+                continue
+            link = self._links[name]
+            kept = self._stretch if edit.changes == "length" else self._thicken
+            if name in kept:
+                raise InputError(f"two parameters change the {edit.changes} of `{name}`")
+            if not (link.length if edit.changes == "length" else link.radius):
+                raise InputError(f"`{name}` has no {edit.changes} that {edit.name} could change")
+            kept[name] = Amount({(edit.name,): 1 / edit.reference})
+
+    def _write_body(self, element: ET.Element) -> None:
+        _hoist(element)
+        children = element.findall("body")
+        name = element.get("name", "")
+        link, model = self._links[name], self._model
+        above = int(model.body_parentid[link.body])
+        parent = self._links.get(model.body(above).name)
+        _place(element, self._moved(parent, model.body_pos[link.body]), model.body_quat[link.body])
+        for child in list(element):
+            if child.tag == "joint":
+                joint = model.joint(child.get("name"))
+                if int(joint.type[0]) != int(mujoco.mjtJoint.mjJNT_FREE):
+                    child.set("pos", texts(self._moved(link, joint.pos), _ROUNDING))
+                    child.set("axis", texts(joint.axis))
+            elif child.tag == "site":
+                site = model.site(child.get("name"))
+                child.set("size", texts(site.size))
+                _place(child, self._moved(link, site.pos), site.quat)
+            elif child.tag == "geom":
+                self._write_geom(child, link)
+            elif child.tag == "inertial":
+                element.remove(child)
+        if self._mass == "density" and model.body_geomnum[link.body]:
+            return self._write_children(children)
+        if link.mass > 0:
+            self._write_inertia(element, link)
+        self._write_children(children)
+
+    def _write_children(self, children: Sequence[ET.Element]) -> None:
+        for child in children:
+            self._write_body(child)
+
+    def _moved(self, link: Link | None, point: Any) -> list[Amount | float]:
+        """Return where a point of a link is once the link is stretched."""
+        stretch = self._stretch.get(link.name) if link else None
+        if link is None or stretch is None:
+            return [float(value) for value in point]
+        axis = np.array(link.axis)
+        along = float(np.dot(point, axis))
+        beside = np.asarray(point) - along * axis
+        return [float(b) + stretch * (along * float(a)) for b, a in zip(beside, axis, strict=True)]
+
+    def _write_geom(self, element: ET.Element, link: Link) -> None:
+        model = self._model
+        number = model.geom(element.get("name")).id
+        kind, size = int(model.geom_type[number]), model.geom_size[number]
+        turned = rotation(model.geom_quat[number])
+        stretch = self._stretch.get(link.name, Amount.of(1.0))
+        thicken = self._thicken.get(link.name, Amount.of(1.0))
+        cosines = np.abs(turned.T @ np.array(link.axis))
+        along = int(np.argmax(cosines))
+        straight = cosines[along] > 0.7
+        for name in _SIZED["geom"]:
+            element.attrib.pop(name, None)
+        element.set("type", mujoco.mjtGeom(kind).name.removeprefix("mjGEOM_").lower())
+        if kind in ROUND:
+            thick = thicken if cosines[2] > 0.7 else Amount.of(1.0)
+            element.set("size", texts([thick * float(size[0])]))
+            both = [self._moved(link, end) for end in ends(model, number)]
+            element.set("fromto", texts([*both[0], *both[1]], _ROUNDING))
+        elif kind == int(mujoco.mjtGeom.mjGEOM_SPHERE):
+            element.set("size", texts([thicken * float(size[0])]))
+            element.set("pos", texts(self._moved(link, model.geom_pos[number])))
+        else:
+            factors = [stretch if straight and k == along else thicken for k in range(3)]
+            place, quat = model.geom_pos[number], model.geom_quat[number]
+            if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
+                place, quat = self._write_mesh(element, number, factors)
+            else:
+                element.set(
+                    "size", texts([f * float(s) for f, s in zip(factors, size, strict=True)])
+                )
+            _place(element, self._moved(link, place), quat)
+        if self._mass == "density":
+            element.set("density", f"{self._density(number, link):.9g}")
+
+    def _write_mesh(
+        self, element: ET.Element, geom: int, factors: Sequence[Amount]
+    ) -> tuple[Any, Any]:
+        """Give a geom its own mesh, scaled; returns where the file's frame is in the link."""
+        model, mesh = self._model, int(self._model.geom_dataid[geom])
+        name = model.mesh(mesh).name
+        # MuJoCo moves a mesh into its frame of inertia; the file's own frame is wanted here.
+        back_pos, back_quat = np.zeros(3), np.zeros(4)
+        mujoco.mju_negPose(back_pos, back_quat, model.mesh_pos[mesh], model.mesh_quat[mesh])
+        place, quat = np.zeros(3), np.zeros(4)
+        mujoco.mju_mulPose(
+            place, quat, model.geom_pos[geom], model.geom_quat[geom], back_pos, back_quat
+        )
+        first = next(m for m in self._part("asset").findall("mesh") if _mesh_name(m) == name)
+        own = f"{element.get('name')}_mesh"
+        copy = ET.SubElement(self._part("asset"), "mesh", {**first.attrib, "name": own})
+        scale = [float(value) for value in first.get("scale", "1 1 1").split()]
+        copy.set("scale", texts([f * s for f, s in zip(factors, scale, strict=True)]))
+        element.set("mesh", own)
+        self.mesh_volumes[own] = geom_volume(model, geom) / abs(float(np.prod(scale)))
+        return place, quat
+
+    def _density(self, geom: int, link: Link) -> float:
+        """Return a geom's density in kg/m³: its own, or what a link's stated mass implies."""
+        spec = self._spec.geom(self._model.geom(geom).name)
+        if not self._spec.body(link.name).explicitinertial:
+            if np.isfinite(spec.mass):
+                return float(spec.mass) / geom_volume(self._model, geom)
+            return float(spec.density)
+        whole = sum(geom_volume(self._model, one) for one in geoms_of(self._model, link.body))
+        return link.mass / whole if whole else 0.0
+
+    def _write_inertia(self, element: ET.Element, link: Link) -> None:
+        """Write mass, centre and inertia of a link, of which a part may be payload."""
+        changed = link.name in self._stretch or link.name in self._thicken
+        changed &= self._mass != "density"  # a link without a solid has no size that it follows
+        fixed = self._payload if self._mass == "shell" and changed else 0.0
+        if fixed:
+            carried = ET.SubElement(element, "body", {"name": f"{link.name}_payload"})
+            _set_inertia(carried, self._model, link.body, fixed)
+        axis = np.array(link.axis)
+        stretch = self._stretch.get(link.name, Amount.of(1.0))
+        thicken = self._thicken.get(link.name, Amount.of(1.0))
+        if not changed:
+            _set_inertia(element, self._model, link.body, 1.0)
+            return
+        model, body = self._model, link.body
+        grown = stretch * thicken if self._mass == "shell" else stretch
+        mass = grown * (float(model.body_mass[body]) * (1 - fixed))
+        turned = rotation(model.body_iquat[body])
+        inertia = turned @ np.diag(model.body_inertia[body]) @ turned.T * (1 - fixed)
+        # The second moment follows the map itself; the inertia is what is across each axis.
+        second = np.trace(inertia) / 2 * np.eye(3) - inertia
+        along = np.outer(axis, axis)
+        linear = _times(along, stretch) + _times(np.eye(3) - along, thicken)
+        moment = linear.dot(second.astype(object)).dot(linear.T) * grown
+        trace = moment[0, 0] + moment[1, 1] + moment[2, 2]
+        tensor = [trace - moment[k, k] for k in range(3)]
+        tensor += [-moment[0, 1], -moment[0, 2], -moment[1, 2]]
+        inertial = ET.Element("inertial")
+        inertial.set("pos", texts(self._moved(link, model.body_ipos[body])))
+        inertial.set("mass", texts([mass]))
+        inertial.set("fullinertia", texts(tensor))
+        element.insert(0, inertial)
+
+    def _add_floor(self, world: ET.Element) -> None:
+        model = self._model
+        touches = int(np.bitwise_or.reduce(model.geom_contype, initial=1))
+        touched = int(np.bitwise_or.reduce(model.geom_conaffinity, initial=1))
+        ET.SubElement(world, "light", {"pos": "0 0 3", "dir": "0 0 -1", "directional": "true"})
+        floor = {"name": FLOOR, "type": "plane", "size": "40 40 0.1", "pos": "0 0 0"}
+        # Each bit that the robot uses, so that all that can touch something touches the floor.
+        floor |= {"contype": str(touched), "conaffinity": str(touches), "rgba": "0.8 0.8 0.8 1"}
+        world.insert(0, ET.Element("geom", floor))
+
+    def _add_motors(self, motors: Sequence[MotorGroup]) -> None:
+        joints = {one.get("name"): one for one in self._part("worldbody").iter("joint")}
+        for group in motors:
+            torque = f"{group.torque:.9g}"
+            for name in group.joints:
+                if group.armature:
+                    joints[name].set("armature", f"{group.armature:.9g}")
+                if group.kind == "motor":
+                    ranges = {"gear": torque, "ctrlrange": "-1 1"}
+                    self.add("actuator", "motor", name=name, joint=name, **ranges)
+                    continue
+                low, high = self._model.joint(name).range
+                self.add(
+                    "actuator",
+                    "position",
+                    name=name,
+                    joint=name,
+                    kp=f"{group.stiffness:.9g}",
+                    kv=f"{group.damping:.9g}",
+                    ctrlrange=f"{low:.9g} {high:.9g}",
+                    forcerange=f"-{torque} {torque}",
+                )
+
+    def _strengthen(self, edit: Edit) -> None:
+        strength = Amount({(edit.name,): 1.0})
+        for motor in self._part("actuator"):
+            if motor.get("joint") not in edit.parts:
+                continue
+            if motor.tag == "motor":
+                motor.set("gear", texts([strength]))
+            else:
+                motor.set("forcerange", texts([-strength, strength]))
+
+
+def _hoist(element: ET.Element) -> None:
+    """Move what stands in frames into the body itself; compiled places hold without them."""
+    for frame in element.findall("frame"):
+        _hoist(frame)
+        at = list(element).index(frame)
+        element.remove(frame)
+        for offset, child in enumerate(list(frame)):
+            element.insert(at + offset, child)
+
+
+def _place(element: ET.Element, pos: Sequence[Amount | float], quat: Any) -> None:
+    for name in _PLACED:
+        element.attrib.pop(name, None)
+    element.set("pos", texts(pos, _ROUNDING))
+    if not np.allclose(np.abs(quat), (1, 0, 0, 0)):
+        element.set("quat", texts(quat))
+
+
+def _set_inertia(element: ET.Element, model: mujoco.MjModel, body: int, share: float) -> None:
+    inertial = ET.Element("inertial")
+    inertial.set("pos", texts(model.body_ipos[body]))
+    inertial.set("quat", texts(model.body_iquat[body]))
+    inertial.set("mass", texts([share * float(model.body_mass[body])]))
+    inertial.set("diaginertia", texts(share * model.body_inertia[body]))
+    element.insert(0, inertial)
+
+
+def _times(matrix: Matrix, amount: Amount) -> Matrix:
+    return np.array([[amount * float(value) for value in row] for row in matrix], dtype=object)
+
+
+def _mesh_name(element: ET.Element) -> str:
+    return element.get("name") or element.get("file", "").rpartition(".")[0]

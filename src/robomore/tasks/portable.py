@@ -1,0 +1,182 @@
+"""A task that comes from a file, as bytes: workers, sandboxes and run folders need nothing else.
+
+A task of an installed package is known by its id wherever that package is. One of a task file is
+known nowhere else, so it travels whole: the filled-in template, its meshes, and its options. What
+is read here is data; nothing in it names code to be imported.
+"""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import partial
+from typing import Any
+
+import msgspec
+
+from robomore.errors import InputError
+from robomore.tasks.fitness import Fitness, Term
+from robomore.tasks.task import Parameter, Task, Values
+from robomore.tasks.trajectory import Trajectory
+
+ENVIRONMENT = "robomore.envs.robots.own_robot:OwnRobotEnvironment"
+"""The one environment of such tasks."""
+
+_MOST_ASSETS = 64 * 2**20
+"""Bytes of meshes that a task may carry."""
+
+
+@dataclass(frozen=True, slots=True)
+class FixedOptions:
+    """Options of an environment that are the same for all morphologies."""
+
+    options: Mapping[str, Any]
+
+    def __call__(self, values: Values) -> dict[str, Any]:
+        """Return the options."""
+        return dict(self.options)
+
+
+@dataclass(frozen=True, slots=True)
+class FitnessTerm:
+    """A measure of a fitness as data.
+
+    Attributes:
+        measure: its name; empty for a function.
+        options: of the measure.
+        weight: in the sum.
+        function: text of a Python function of a `Trajectory`, in the place of a named measure.
+        unit: of what the function returns.
+        meaning: of it, in words.
+    """
+
+    measure: str = ""
+    options: dict[str, Any] = field(default_factory=dict)
+    weight: float = 1.0
+    function: str = ""
+    unit: str = ""
+    meaning: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Content:
+    """The fields of a `Task` that are data."""
+
+    id: str
+    title: str
+    description: str
+    fitness: tuple[FitnessTerm, ...]
+    unit: str
+    template: str
+    parameters: tuple[Parameter, ...]
+    reward: str
+    options: dict[str, Any]
+    episode_steps: int
+    version: int
+    mass: str
+    assets: dict[str, bytes] = field(default_factory=dict)
+    mesh_volumes: dict[str, float] = field(default_factory=dict)
+
+
+def task_content(task: Task) -> bytes:
+    """Return a task of a file as bytes; nothing for one that its id says all of."""
+    if not isinstance(task.options, FixedOptions):
+        return b""
+    values = {one.name: getattr(task, one.name) for one in fields(_Content) if one.name != "unit"}
+    values["options"] = dict(task.options.options)
+    values["fitness"] = tuple(map(_as_data, task.goal.terms))
+    return msgspec.json.encode(_Content(**values, unit=task.goal.unit), order="sorted")
+
+
+def task_from_content(content: bytes, trusted: bool = True) -> Task:
+    """Return the task that `task_content` wrote.
+
+    Args:
+        content: what it wrote.
+        trusted: whether it comes from this user. A function in it is not executed otherwise.
+
+    Raises:
+        InputError: it is not such a content, or it asks for files that are not in it.
+    """
+    try:
+        read = msgspec.json.decode(content, type=_Content)
+    except (msgspec.DecodeError, RecursionError) as error:
+        raise InputError(f"the content of a task is damaged: {error}") from None
+    values = {one.name: getattr(read, one.name) for one in fields(_Content) if one.name != "unit"}
+    values["options"] = FixedOptions(read.options)
+    values["fitness"] = make_fitness(read.fitness, read.unit, trusted)
+    refuse_files(read.id, read.template, read.assets)
+    return Task(**values, environment=ENVIRONMENT)
+
+
+def make_fitness(
+    terms: Sequence[FitnessTerm], unit: str | None = None, trusted: bool = True
+) -> Fitness:
+    """Return a fitness from its terms as data.
+
+    Raises:
+        InputError: a measure, an option or a function is wrong.
+    """
+    parts: list[tuple[float, str | Fitness]] = []
+    for term in terms:
+        if term.function:
+            if NAME not in term.function:
+                raise InputError(f"the function of the fitness has to define {NAME}(trajectory)")
+            own = partial(_own_value, term.function if trusted else "")
+            meaning = term.meaning or "a function of its own"
+            parts.append((term.weight, Fitness.own(own, unit=term.unit, meaning=meaning)))
+        else:
+            # A name alone may be a measure of which less is better.
+            named = Fitness.of(term.measure, **term.options) if term.options else term.measure
+            parts.append((term.weight, named))
+    return Fitness.sum(*parts, unit=unit)
+
+
+NAME = "fitness"
+"""Name of a function of one's own in a task file."""
+
+
+def _as_data(term: Term) -> FitnessTerm:
+    function = term.measure.function
+    if isinstance(function, partial):
+        measure = term.measure
+        (source,) = function.args
+        return FitnessTerm("", {}, term.weight, source, measure.unit, measure.meaning)
+    return FitnessTerm(term.name, dict(term.options), term.weight)
+
+
+def _own_value(source: str, trajectory: Trajectory) -> float:
+    """Return what the function in `source`, the text of a person's own task file, gives."""
+    if not source:
+        raise InputError("the fitness is a function of somebody else's file; it is not executed")
+    namespace: dict[str, Any] = {}
+    exec(compile(source, "<fitness>", "exec"), namespace)
+    return float(namespace[NAME](trajectory))
+
+
+def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:
+    """Refuse a template that reads files which do not travel with it.
+
+    Raises:
+        InputError: naming the file.
+    """
+    if sum(map(len, assets.values())) > _MOST_ASSETS:
+        raise InputError(
+            f"{id}: its meshes have more than {_MOST_ASSETS // 2**20} MiB; use simpler"
+        )
+    if re.search(r"<!(DOCTYPE|ENTITY)", template):
+        raise InputError(f"{id}: its template declares entities; write plain MJCF")
+    try:
+        root = ET.fromstring(template)
+    except ET.ParseError as error:
+        raise InputError(f"{id}: its template is no XML ({error})") from None
+    for part in root.iter():
+        if part.tag in ("include", "extension", "plugin", "model"):
+            raise InputError(f"{id}: its template holds <{part.tag}>, which reads other files")
+        named = [value for name, value in part.attrib.items() if name.startswith("file")]
+        named += [value for name, value in part.attrib.items() if name.endswith("dir") and value]
+        for name in named:
+            if name not in assets and part.tag != "compiler" and part.tag != "light":
+                raise InputError(f"{id}: its template reads the file {name!r}, which is not in it")

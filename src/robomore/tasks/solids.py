@@ -1,0 +1,162 @@
+"""The solids of a robot, read from its MJCF template: what its volume is the sum of.
+
+It needs no simulator. Of each link count the geoms that can touch something; of a robot that has
+none of these, all of them.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import CodeType
+
+from robomore.tasks.geometry import Capsule, Shape, Solid, Sphere
+from robomore.tasks.template import FUNCTIONS, check_arithmetic, names_used, parse
+
+Values = Mapping[str, float]
+
+_TOKEN = re.compile(r"\{([^{}]+)\}|(\S+)")
+_SCOPE = {**FUNCTIONS, "__builtins__": {}}
+_READ = ("type", "size", "fromto", "contype", "conaffinity", "mesh", "scale")
+
+
+@dataclass(frozen=True, slots=True)
+class _Geom:
+    """Equal geoms: their type, and code that gives their sizes, and the two ends if it has any."""
+
+    kind: str
+    sizes: CodeType
+    has_ends: bool
+    mesh_volume: float
+    count: int = 1
+
+    def shape(self, values: Values) -> Shape:
+        size = list(eval(self.sizes, dict(_SCOPE), values))
+        if self.has_ends:
+            points = size[-6:]
+            size = [size[0], math.dist(points[:3], points[3:]) / 2]
+        if self.kind == "sphere":
+            return Sphere(size[0])
+        if self.kind == "capsule":
+            return Capsule(size[0], 2 * size[1], self.count)
+        if self.kind == "mesh":
+            return Solid(abs(math.prod(size)) * self.mesh_volume)
+        return Solid(volume_of(self.kind, size))
+
+
+def solids(
+    template: str, values: Values, mesh_volumes: Mapping[str, float] | None = None
+) -> tuple[Shape, ...]:
+    """Return the solids of one morphology.
+
+    Args:
+        template: MJCF text with placeholders.
+        values: parameters and constants by name.
+        mesh_volumes: enclosed volume in m³ of each mesh at scale 1, by name.
+    """
+    volumes = tuple(sorted((mesh_volumes or {}).items()))
+    return tuple(geom.shape(values) for geom in _geoms(template, volumes))
+
+
+def volume_of(kind: str, size: Sequence[float]) -> float:
+    """Return the volume in m³ of a geom from MuJoCo's sizes of its type, in m.
+
+    Raises:
+        ValueError: there is no such solid.
+    """
+    if kind == "sphere":
+        return Sphere(size[0]).volume
+    if kind == "capsule":
+        return Capsule(size[0], 2 * size[1]).volume
+    if kind == "cylinder":
+        return math.pi * size[0] ** 2 * 2 * size[1]
+    if kind == "box":
+        return 8 * math.prod(size[:3])
+    if kind == "ellipsoid":
+        return 4 / 3 * math.pi * math.prod(size[:3])
+    raise ValueError(f"a {kind} has no volume; use a solid")
+
+
+@lru_cache(maxsize=64)
+def _geoms(template: str, mesh_volumes: tuple[tuple[str, float], ...]) -> tuple[_Geom, ...]:
+    root = ET.fromstring(template)
+    classes: dict[str, dict[str, dict[str, str]]] = {"": {}}
+    for default in root.findall("default"):
+        _read_defaults(default, {}, classes, top=True)
+    scales = {
+        mesh.get("name", ""): {**classes[""].get("mesh", {}), **mesh.attrib}.get("scale", "1 1 1")
+        for mesh in root.iterfind("asset/mesh")
+    }
+    world = root.find("worldbody")
+    bodies = [] if world is None else world.findall("body")
+    found = [geom for body in bodies for geom in _of_body(body, "", classes)]
+    touching = [one for one in found if one.get("contype") != "0" or one.get("conaffinity") != "0"]
+    volumes = dict(mesh_volumes)
+    made = []
+    for one in touching or found:
+        kind = one.get("type", "mesh" if "mesh" in one else "sphere")
+        size = scales.get(one.get("mesh", ""), "1 1 1") if kind == "mesh" else one.get("size", "")
+        volume = volumes.get(one.get("mesh", ""), 0.0)
+        ends = one.get("fromto", "")
+        made.append(_Geom(kind, _code(f"{size} {ends}"), bool(ends), volume))
+    return _grouped(made, sorted(names_used(template)))
+
+
+def _grouped(geoms: Sequence[_Geom], names: Sequence[str]) -> tuple[_Geom, ...]:
+    """Return geoms with equal capsules together: those whose sizes agree at some fixed values."""
+    probes = [{name: 0.3 + 0.07 * k + 0.11 * i for i, name in enumerate(names)} for k in range(3)]
+    found: dict[object, _Geom] = {}
+    for number, geom in enumerate(geoms):
+        sizes = [geom.shape(values) for values in probes]
+        same = tuple(f"{one.volume:.9g} {one.radius:.9g}" for one in sizes)
+        key = same if geom.kind == "capsule" else number
+        found[key] = replace(geom, count=found[key].count + 1) if key in found else geom
+    return tuple(found.values())
+
+
+def _read_defaults(
+    element: ET.Element,
+    above: Mapping[str, Mapping[str, str]],
+    classes: dict[str, dict[str, dict[str, str]]],
+    top: bool = False,
+) -> None:
+    own = {tag: dict(values) for tag, values in above.items()}
+    for part in element:
+        if part.tag in ("geom", "mesh"):
+            own.setdefault(part.tag, {}).update(part.attrib)
+    classes[element.get("class", "")] = own
+    if top:
+        classes[""] = own
+    for inner in element.findall("default"):
+        _read_defaults(inner, own, classes)
+
+
+def _of_body(
+    body: ET.Element, inherited: str, classes: Mapping[str, Mapping[str, Mapping[str, str]]]
+) -> Iterator[dict[str, str]]:
+    within = body.get("childclass", inherited)
+    for part in body:
+        if part.tag == "geom":
+            defaults = classes.get(part.get("class", within), {}).get("geom", {})
+            merged = {**defaults, **part.attrib}
+            yield {name: merged[name] for name in _READ if name in merged}
+        elif part.tag in ("body", "frame"):
+            yield from _of_body(part, within, classes)
+
+
+def _code(text: str) -> CodeType:
+    """Return code that gives a tuple of the numbers of attributes.
+
+    Raises:
+        ValueError: one of them is not plain arithmetic.
+    """
+    trees = [parse(braced or plain) for braced, plain in _TOKEN.findall(text)]
+    for tree in trees:
+        check_arithmetic(tree)
+    whole = ast.Expression(ast.Tuple(trees, ast.Load()))
+    return compile(ast.fix_missing_locations(whole), "<template>", "eval")

@@ -1,0 +1,35 @@
+"""`gallery` makes one, and `show` reads it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from audit.canned import copy_with_canned_audits
+from cli.commands import Command
+
+
+@pytest.fixture
+def copied(trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return copy_with_canned_audits(trained_run, tmp_path, monkeypatch)
+
+
+def test_a_gallery_is_made_and_shown(copied: Path, tmp_path: Path, robomore_: Command) -> None:
+    gallery = tmp_path / "gallery"
+    said = robomore_("gallery", copied, "--out", gallery)
+    assert said.status == 0 and "auditing" in said.err
+    assert "fails: energy balance" in robomore_("show", gallery).words
+    (told,) = robomore_("show", gallery, "--json").json
+    assert told["name"] == "run" and told["audit"]["passes"] is False
+    one = robomore_("show", gallery / "run")
+    assert one.status == 0
+    assert "front_radius m" in one.out and "_get_rew" in one.out and "energy balance" in one.out
+    assert robomore_("show", gallery / "run", "--json").json == told
+
+
+def test_what_cannot_be_used_is_refused(copied: Path, tmp_path: Path, robomore_: Command) -> None:
+    assert "no run was named" in robomore_("gallery", "--out", tmp_path / "g").err
+    said = robomore_("show", copied / "champion", "--reference")
+    assert said.status == 2 and "is no run" in said.err
+    assert "is not a run folder" in robomore_("show", tmp_path / "empty").err

@@ -1,0 +1,64 @@
+"""Audits of runs: whom they are about, and the seat of the champion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import untrained  # noqa: F401  # makes its executor known
+from audit.canned import VERDICTS, copy_with_canned_audits
+from robomore.audit import Audit
+from robomore.experiment import auditing, run
+from robomore.options import with_options
+from robomore.plain_files import PlainFolder
+from robomore.report import as_data
+from robomore.report.audit_words import as_markdown
+from robomore.runs import load_run
+from robomore.runs.audits import audit_of
+from robomore.settings import preset
+from robomore.store.audit import AUDIT, load_audit, save_audit
+
+
+@pytest.fixture
+def copied(trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return copy_with_canned_audits(trained_run, tmp_path, monkeypatch)
+
+
+def test_an_audit_of_another_policy_says_nothing(copied: Path) -> None:
+    auditing.audit_run(copied)
+    found = load_run(copied)
+    name = f"artifacts/{found.kept().artifact}/{AUDIT}"
+    files = PlainFolder(copied)
+    audit = load_audit(files, name)
+    assert audit is not None
+    save_audit(files, name, replace(audit, policy="0" * 64))
+    assert audit_of(found) is None
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"[1]", b'{"task": 1}', b'{"format": 99}', b"[" * 100_000], ids=range(5)
+)
+def test_a_file_that_is_no_audit(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / AUDIT).write_bytes(content)
+    with pytest.raises(ValueError, match=AUDIT):
+        load_audit(PlainFolder(tmp_path), AUDIT)
+
+
+def test_what_was_passed_over_is_told(tmp_path: Path) -> None:
+    """Nothing here has a policy, so that nothing can be audited, and the reference is champion."""
+    settings = with_options(preset("smoke"), require_audit=True)
+    found = run("swimmer", settings, seed=1, executor="untrained", out=tmp_path / "run")
+    assert found.champion_role == "reference" or not found.passed_over
+    assert all("it has no policy that can be audited" in one for one in found.passed_over)
+    told = [one for one in found.warnings if one.startswith("Not champion")]
+    assert len(told) == len(found.passed_over) > 0
+    assert as_data(found)["passed_over"] == list(found.passed_over)
+
+
+def test_a_table_is_no_place_for_markup() -> None:
+    audit = Audit("t", "", 1, None, 1.0, None, {"density": 1.0, "mass": 1.0}, VERDICTS)
+    assert "came / from" in as_markdown(audit, "m") and "the physics diverges" in as_markdown(
+        audit, "m"
+    )

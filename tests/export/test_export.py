@@ -1,0 +1,203 @@
+"""A whole export: the exported code alone reaches the recorded fitness, and nothing leaks out."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+import shutil
+import subprocess
+import sys
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import gymnasium
+import hatchling.build
+import numpy as np
+import onnxruntime
+import pytest
+
+from cli.commands import Command
+from robomore.envs.registration import make_environment
+from robomore.errors import InputError
+from robomore.export import export_run
+from robomore.export.card import plain
+from robomore.export.environment import environment_package
+from robomore.export.folder import PARTS, ensure_free, write_all
+from robomore.export.policies import numpy_module
+from robomore.runs import Run, load_run
+from robomore.tasks import TASKS
+from robomore.training.policy import MLPPolicy
+from shared import made_once
+
+
+@pytest.fixture(scope="session")
+def exported(tmp_path_factory: pytest.TempPathFactory, trained_run: Path) -> Path:
+    def make(out: Path) -> None:
+        export_run(load_run(trained_run), out, video_seconds=0.2)
+
+    return made_once(tmp_path_factory, "exported", make)
+
+
+@pytest.fixture
+def package(exported: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """The exported package, built and unpacked as `pip install` does it."""
+    monkeypatch.chdir(shutil.copytree(exported / "environment", tmp_path / "source"))
+    wheel = hatchling.build.build_wheel(str(tmp_path))
+    with zipfile.ZipFile(tmp_path / wheel) as packed:
+        packed.extractall(tmp_path / "site")
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    return importlib.import_module("swimmer_champion")
+
+
+def test_the_exported_code_alone_reaches_the_recorded_fitness(exported: Path) -> None:
+    code = (
+        "import json, sys, swimmer_champion.measure as m; import swimmer_champion\n"
+        "found = m.measure(m.RECORDED['seeds'])\n"
+        "assert not [n for n in sys.modules if n.partition('.')[0] in ('robomore', 'jax')]\n"
+        "print(json.dumps([found, m.RECORDED['episode_fitness']]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=exported / "environment",
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    found, recorded = json.loads(done.stdout)
+    np.testing.assert_allclose(found, recorded, rtol=1e-3)
+
+
+def test_the_onnx_policy_reaches_it_too(exported: Path, package: ModuleType) -> None:
+    session = onnxruntime.InferenceSession(exported / "policy" / "policy.onnx")
+
+    def act(observation: Any) -> Any:
+        return session.run(None, {"observation": np.float32(observation[None])})[0][0]
+
+    measure = importlib.import_module("swimmer_champion.measure")
+    found = measure.measure(measure.RECORDED["seeds"], act)
+    np.testing.assert_allclose(found, measure.RECORDED["episode_fitness"], rtol=1e-2)
+
+
+def test_the_package_gives_the_reward_that_was_trained_with(
+    trained_run: Path, package: ModuleType
+) -> None:
+    run = load_run(trained_run)
+    assert run.champion is not None
+    design = run.champion.design
+    theirs = gymnasium.make(package.ID)
+    mine = make_environment("swimmer", design.morphology.parameters, design.reward.source)
+    assert theirs.spec is not None and theirs.spec.max_episode_steps == 1000
+    seen, ours = theirs.reset(seed=3)[0], mine.reset(seed=3)[0]
+    for _ in range(20):
+        assert np.array_equal(seen, ours)
+        action = package.act(seen)
+        seen, reward, *_ = theirs.step(action)
+        ours, expected, *_ = mine.step(action)
+        assert reward == expected
+
+
+def test_the_folder_holds_what_its_record_says(exported: Path) -> None:
+    record = json.loads((exported / "export.json").read_text())
+    files = {p.relative_to(exported).as_posix() for p in exported.rglob("*") if p.is_file()}
+    assert files == {*record["sha256"], "export.json"}
+    assert {name.partition("/")[0] for name in record["sha256"]} <= set(PARTS)
+    for name, digest in record["sha256"].items():
+        assert hashlib.sha256((exported / name).read_bytes()).hexdigest() == digest
+    assert {"robot/robot.xml", "robot/robot.urdf", "policy/policy.onnx"} <= files
+    assert {"print/whole.stl", "print/whole.3mf", "video.webp", "README.md"} <= files
+    card = (exported / "README.md").read_text()
+    assert "| whole | " in card
+    # 3.2 m do not fit a bed of 256 mm, so the word stands nowhere.
+    assert not any(piece["printable"] for piece in record["pieces"]) and "printable" not in card
+
+
+def test_only_a_free_folder_is_written(exported: Path, trained_run: Path, tmp_path: Path) -> None:
+    run = load_run(trained_run)
+    full = tmp_path / "full"
+    full.mkdir()
+    (full / "README.md").write_text("mine")
+    for force in (False, True):
+        with pytest.raises(InputError, match="not empty and no export"):
+            export_run(run, full, force=force)
+    assert (full / "README.md").read_text() == "mine"
+    copy = shutil.copytree(exported, tmp_path / "copy")
+    with pytest.raises(InputError, match="--force"):
+        export_run(run, copy)
+    (copy / "notes.txt").write_text("mine")
+    ensure_free(copy, force=True)
+    write_all(copy, {"README.md": b"new"}, {})
+    assert sorted(p.name for p in copy.iterdir()) == ["README.md", "export.json", "notes.txt"]
+
+
+def test_links_in_the_folder_are_not_followed(exported: Path, tmp_path: Path) -> None:
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    (outside / "kept.txt").write_text("kept")
+    copy = shutil.copytree(exported, tmp_path / "copy")
+    shutil.rmtree(copy / "policy")
+    (copy / "policy").symlink_to(outside)
+    with pytest.raises(InputError, match="symbolic link"):
+        ensure_free(copy, force=True)
+    write_all(copy, {"policy/policy.py": b"new"}, {})
+    assert [p.name for p in outside.iterdir()] == ["kept.txt"]
+    for name in ("../out.txt", "elsewhere/x", "/etc/x"):
+        with pytest.raises(ValueError, match="no part of an export"):
+            write_all(copy, {name: b""}, {})
+
+
+def test_a_policy_that_fits_no_robot_is_named(
+    trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = load_run(trained_run)
+    odd = MLPPolicy((np.ones((3, 2), np.float32),), (np.zeros(2, np.float32),))
+    monkeypatch.setattr(Run, "load_policy", lambda self, key=None: odd)
+    with pytest.raises(InputError, match="trainer 'crossq' maps 3 numbers to 2"):
+        export_run(run, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_task_of_somebody_else_needs_robomore(trained_run: Path, exported: Path) -> None:
+    run = load_run(trained_run)
+    assert run.champion is not None
+    own = replace(run, task=replace(run.task, id="own", environment="their.robots:Robot"))
+    evaluation = run.champion.best("efficiency")
+    mjcf = (exported / "robot" / "robot.xml").read_text()
+    files = environment_package(own, evaluation, "champion", mjcf, "")
+    assert "robomore==" in files["pyproject.toml"].decode()
+    assert "make_environment(TASK" in files["own_champion/env.py"].decode()
+
+
+def test_text_of_a_designer_stays_text() -> None:
+    assert plain("a|b\n# <b>`x`</b>") == "a\\|b # &lt;b&gt;\\`x\\`&lt;/b&gt;"
+
+
+def test_export_on_the_command_line(
+    robomore_: Command, trained_run: Path, finished: Path, tmp_path: Path
+) -> None:
+    said = robomore_("export", trained_run, "--to", tmp_path / "a", "--no-video", "--scale", "0.05")
+    assert said.status == 0, said.err
+    assert "printable" in said.out and "by the exported code alone" in said.out
+    again = robomore_("export", trained_run, "--to", tmp_path / "a")
+    assert again.status == 2 and "--force" in again.err
+    for wrong in ([], ["--to", "a", "--csv", "b"], ["--csv", "-", "--force"]):
+        assert robomore_("export", trained_run, *wrong).status == 2
+    missing = robomore_("export", finished, "--to", tmp_path / "b")
+    assert missing.status == 2 and "has no policy" in missing.err
+    assert not (tmp_path / "b").exists()
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("task", list(TASKS))
+def test_a_champion_of_each_task_moves_as_recorded(task: str, tmp_path: Path) -> None:
+    from robomore.experiment import run
+    from tiny import TINY
+
+    found = run(task, TINY, seed=1, workers=1, out=tmp_path / "run")
+    done = export_run(found, tmp_path / "out", video_seconds=0.0)
+    assert done.fitness == pytest.approx(done.recorded, rel=0.05, abs=0.02)
+    assert numpy_module(found.load_policy(), "x")

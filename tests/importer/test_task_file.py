@@ -1,0 +1,162 @@
+"""From a robot's file to a task, and what is said of mistakes on the way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import pytest
+from tests.importer.dog import DOG, write_arm, write_dog
+
+from robomore.envs.source import environment_source
+from robomore.errors import InputError
+from robomore.importer.proposal import write_proposal
+from robomore.importer.reading import read_robot
+from robomore.importer.task_file import read_task_file
+from robomore.tasks import get_task
+from robomore.tasks.fingerprint import fingerprint, task_key
+from robomore.tasks.portable import task_content, task_from_content
+from robomore.testing.tasks import check_task
+
+
+@pytest.fixture(scope="module")
+def dog(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The task file that is proposed for the dog."""
+    folder = tmp_path_factory.mktemp("dog")
+    source = write_dog(folder)
+    return write_proposal(read_robot(source), source, folder / "dog")
+
+
+def edited(file: Path, old: str, new: str) -> Path:
+    text = file.read_text()
+    assert old in text
+    other = file.with_name(f"edited{abs(hash((old, new)))}.toml")
+    other.write_text(text.replace(old, new, 1))
+    return other
+
+
+def test_a_proposed_task_keeps_the_contract(dog: Path) -> None:
+    task = get_task(str(dog))
+    assert task.names == ("thigh_length", "thigh_radius", "calf_length", "calf_radius")
+    assert task.reference == pytest.approx((0.2, 0.02, 0.2, 0.015))
+    assert task.mass.startswith("length: ")
+    assert get_task("dog") is task, "known by its id in this process"
+    check_task(task)
+
+
+def test_the_proposed_pose_has_the_feet_below_the_hips(dog: Path) -> None:
+    home = read_task_file(dog).plan.home
+    assert home["FL_knee"] == pytest.approx(-1.8) and home["FL_hip"] == pytest.approx(0.9, abs=0.05)
+
+
+def test_nothing_tells_the_reference(dog: Path) -> None:
+    masked = get_task(str(dog)).masked_mjcf
+    assert '<body name="FL_calf" pos="0 0 {-thigh_length}"' in masked
+    legs = masked.partition('name="FL_thigh"')[2].partition('name="FR_thigh"')[0]
+    assert not {"-0.2", "0.02", "0.015"} & set(legs.replace('"', " ").split())
+
+
+def test_a_task_of_a_file_travels_as_bytes(dog: Path) -> None:
+    task = get_task(str(dog))
+    same = task_from_content(task_content(task))
+    assert task_key(same) == task_key(task)
+    assert task_content(get_task("ant")) == b"", "an installed task is known by its id"
+
+
+def test_meshes_count_for_the_key(tmp_path: Path) -> None:
+    source = write_arm(tmp_path)
+    file = write_proposal(read_robot(source, "fixed"), source, tmp_path / "arm")
+    before = fingerprint(read_task_file(file).task)
+    mesh = file.with_name("shell.obj")
+    mesh.write_text(mesh.read_text().replace("v 0 0 0.1", "v 0 0 0.11"))
+    after = fingerprint(read_task_file(file).task)
+    assert {"assets"} <= {name for name in before if before[name] != after[name]}
+
+
+@pytest.mark.parametrize(
+    ("part", "remedy"),
+    [
+        ('<include file="/etc/passwd"/>', "<include>, which reads other files"),
+        ('<asset><mesh name="m" file="/etc/hosts"/></asset>', "reads the file '/etc/hosts'"),
+        ('<asset><mesh name="m" file="x.stl" /></asset>', "which is not in it"),
+    ],
+)
+def test_a_foreign_task_reads_no_file(dog: Path, part: str, remedy: str) -> None:
+    content = task_content(get_task(str(dog))).decode()
+    forged = content.replace("<worldbody>", part.replace('"', '\\"') + "<worldbody>")
+    with pytest.raises(InputError, match=remedy):
+        task_from_content(forged.encode())
+
+
+def test_a_fitness_of_ones_own_runs_for_its_author_alone(dog: Path) -> None:
+    source = "def fitness(trajectory):\n    return 2.0 * trajectory.distance\n"
+    text = f"fitness = {{ function = '''{source}''', unit = \"m\", meaning = \"twice as far\" }}"
+    task = read_task_file(edited(dog, 'fitness = "distance"', text)).task
+    assert (task.goal.name, task.goal.unit, task.goal.meaning) == ("own", "m", "twice as far")
+    content = task_content(task)
+
+    class Far:
+        distance = 3.0
+
+    mine, foreign = (task_from_content(content, trusted=trusted).goal for trusted in (True, False))
+    assert mine(Far()) == 6.0  # type: ignore[arg-type]
+    with pytest.raises(Exception, match="not executed"):
+        foreign(Far())  # type: ignore[arg-type]
+
+
+MISTAKES = {
+    "an unknown measure": ('"distance"', '"energetic"', "no .* is called 'energetic'"),
+    "an unknown line": ("control_hz", "kontrol_hz", "unknown field `kontrol_hz`"),
+    "an unknown link": ('"FL_thigh"', '"FL_tigh"', "nothing is called 'FL_tigh'; there are FL_thi"),
+    "bounds without the robot": (
+        "low = 0.1\n",
+        "low = 0.3\n",
+        "the robot has 0.2, which is outside",
+    ),
+    "bounds the wrong way": ("high = 0.4", "high = 0.04", "low has to be above 0 and below high"),
+    "no TOML": ("id = ", "id : ", "is no TOML"),
+    "another mass mode": ('mass = "length"', 'mass = "air"', "air"),
+    "an installed id": ('id = "dog"', 'id = "ant"', "the id of another one; rename it"),
+    "an unknown sensor": ("control_hz", 'sensors = ["gyr"]\ncontrol_hz', "there are gyro"),
+    "no robot": ('"robot.xml"', '"robt.xml"', r"robt\.xml is no robot"),
+    "a joint that is none": ("FL_knee =", "FL_nee =", "nothing is called 'FL_nee'"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_named(dog: Path, mistake: str) -> None:
+    old, new, said = MISTAKES[mistake]
+    with pytest.raises(InputError, match=said):
+        get_task(str(edited(dog, old, new)))
+
+
+def test_a_robot_without_motors_is_given_some_and_refused_without(tmp_path: Path) -> None:
+    bare = DOG.partition("<actuator>")[0] + "</mujoco>"
+    source = write_dog(tmp_path, bare)
+    file = write_proposal(read_robot(source), source, tmp_path / "bare")
+    task = read_task_file(file).task
+    model = mujoco.MjSpec.from_string(task.mjcf(task.reference)).compile()
+    assert model.nu == 8 and (model.actuator_forcerange[:, 1] > 3).all()
+    text = file.read_text()
+    first, last = text.index("[[actuator]]"), text.index("[[parameter]]")
+    file.write_text(text[:first] + text[last:])
+    with pytest.raises(InputError, match="no motors, so nothing can be learned"):
+        read_task_file(file)
+
+
+def test_free_parts_are_chosen_by_pattern(tmp_path: Path) -> None:
+    source = write_dog(tmp_path)
+    robot = read_robot(source)
+    free = ("calf", "knee_strength")
+    task = read_task_file(write_proposal(robot, source, tmp_path / "a", free)).task
+    assert task.names == ("calf_length", "calf_radius", "knee_strength")
+    assert task.parameters[2].unit == "N·m" and task.reference[2] == 20
+    with pytest.raises(InputError, match=r"--free wing: nothing fits; there are .*thigh_length"):
+        write_proposal(robot, source, tmp_path / "b", ("wing",))
+
+
+def test_designers_are_told_the_names(dog: Path) -> None:
+    told = environment_source(get_task(str(dog)))
+    for name in ("FL_knee", "FL_foot", "gyro", "def joint(", "def contact_force(", "_get_rew"):
+        assert name in told
+    assert "qpos[self._first_qpos" not in told

@@ -1,0 +1,70 @@
+"""A gallery: champions in small folders that need no run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from audit.canned import copy_with_canned_audits
+from robomore.errors import InputError, RunFolderError
+from robomore.experiment.auditing import audit_run
+from robomore.runs import load_run
+from robomore.runs.gallery import add_entry, load_entry, load_gallery
+
+
+@pytest.fixture
+def audited(trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    run = copy_with_canned_audits(trained_run, tmp_path, monkeypatch)
+    audit_run(run)
+    return run
+
+
+def test_an_entry_is_the_champion_without_its_run(audited: Path, tmp_path: Path) -> None:
+    run = load_run(audited)
+    folder = add_entry(run, tmp_path / "gallery")
+    (entry,) = load_gallery(tmp_path / "gallery")
+    assert folder == tmp_path / "gallery" / "run" == entry.folder
+    champion = run.champion
+    assert champion is not None and champion.efficiency is not None
+    assert entry.efficiency == champion.efficiency.mean
+    assert entry.facts.parameters == champion.parameters
+    assert entry.reward == champion.design.reward.source
+    assert entry.audit is not None and not entry.audit.passes
+    assert entry.origin is not None and entry.origin.seed == 1
+    assert entry.origin.role == run.champion_role
+    assert sum(one.stat().st_size for one in folder.iterdir()) < 2**20
+    with pytest.raises(InputError, match="exists"):
+        add_entry(run, tmp_path / "gallery")
+
+
+def test_what_is_no_champion_is_refused(trained_run: Path, audited: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is not audited"):
+        add_entry(load_run(trained_run), tmp_path / "gallery")
+    with pytest.raises(InputError, match="is no gallery"):
+        load_gallery(audited / "artifacts")
+    with pytest.raises(InputError, match=r"has no design\.json"):
+        load_entry(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["design.json", "reward.py", "policy.npz", "origin.json"])
+def test_a_changed_entry_is_refused(name: str, audited: Path, tmp_path: Path) -> None:
+    folder = add_entry(load_run(audited), tmp_path / "gallery")
+    (folder / name).write_bytes((folder / name).read_bytes() + b" ")
+    with pytest.raises(RunFolderError, match="SHA256SUMS"):
+        load_entry(folder)
+    (folder / "SHA256SUMS").unlink()
+    (folder / name).write_bytes(b"{")
+    if name in ("design.json", "origin.json"):
+        with pytest.raises(InputError, match="damaged"):
+            load_entry(folder)
+
+
+def test_a_task_that_is_not_here(audited: Path, tmp_path: Path) -> None:
+    folder = add_entry(load_run(audited), tmp_path / "gallery")
+    (folder / "SHA256SUMS").unlink()
+    facts = json.loads((folder / "design.json").read_text())
+    (folder / "design.json").write_text(json.dumps({**facts, "task": "swimer"}))
+    with pytest.raises(InputError, match="swimer"):
+        load_entry(folder)

@@ -1,0 +1,93 @@
+"""Given designs are tried first, by every method that can start from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+from fakes import CountingDesigner, context_of, evaluation
+
+from robomore.designers.started import StartedDesigner
+from robomore.errors import InputError
+from robomore.plan import Plan, Stage
+from robomore.search import METHODS, make_method
+from robomore.search.starts import usable
+from robomore.types import Evaluation, MethodSettings, Morphology, Reward, Slot, Start, Trial
+
+THICK = Morphology((1.0, 1.0, 1.0, 0.2, 0.2, 0.2), "given (mine.json)")
+BEYOND = Morphology((1.0, 1.0, 1.0, 0.008, 0.8, 0.2), "beyond what samplers draw")
+"""A start that is valid in the task and outside of its search ranges."""
+MINE = Reward("def _get_rew(self, x_velocity, action):\n    return 1.0, {}\n", "mine")
+
+WITHOUT_DESIGNER = ("random", "bayesian", "cmaes", "genetic", "map-elites")
+
+
+class Measured:
+    """Made-up measurements: the thicker the better."""
+
+    def __init__(self) -> None:
+        self.trials: list[Trial] = []
+
+    def __call__(
+        self, trials: Sequence[Trial], *, budget_fraction: float = 1.0
+    ) -> list[Evaluation]:
+        self.trials += trials
+        return [evaluation(t.design, sum(t.design.morphology.parameters)) for t in trials]
+
+
+@pytest.mark.parametrize("name", WITHOUT_DESIGNER)
+def test_a_method_without_designer_tries_given_morphologies_first(name: str) -> None:
+    measured = Measured()
+    context = replace(context_of("swimmer", 12), starts=(THICK, BEYOND))
+    method = make_method(MethodSettings(name))
+    found = method.run(CountingDesigner(), measured, context)
+    tried = [trial.design.morphology for trial in measured.trials]
+    assert {THICK, BEYOND} <= set(tried[:3]), "the reference at most comes before them"
+    assert len(tried) == len(found) == 12
+    assert {trial.design.reward for trial in measured.trials} == {context.reference.reward}
+    plain = Measured()
+    make_method(MethodSettings(name)).run(CountingDesigner(), plain, context_of("swimmer", 12))
+    assert THICK not in [trial.design.morphology for trial in plain.trials]
+
+
+def test_a_designer_s_first_places_are_given_ones_and_the_rest_its_own() -> None:
+    counting = CountingDesigner()
+    designer = StartedDesigner(counting, [THICK], [MINE])
+    assert designer.propose_morphology(Slot("coarse", "morphology", (0,)), ()) is THICK
+    assert designer.propose_reward(Slot("iterations", "reward", (0, 0)), ()) is MINE
+    own = designer.propose_morphology(Slot("coarse", "morphology", (1,)), (THICK,))
+    assert own.parameters == (2.0,), "it sees the given one as an earlier proposal"
+    assert [slot.index for slot in counting.asked] == [(1,)]
+    assert (designer.name, designer.reflects) == ("counting", True)
+
+
+def test_every_method_says_what_it_starts_from() -> None:
+    takes = {name: getattr(method, "starts_from", ()) for name, method in METHODS.items()}
+    both, one = ("morphology", "reward"), ("morphology",)
+    assert takes == {
+        "robomore": both,
+        "eureka": ("reward",),
+        "eureka-morphology": one,
+        "reference": (),
+        "slim-reference": (),
+        **dict.fromkeys(WITHOUT_DESIGNER, one),
+    }
+
+
+PLAN = Plan(
+    (Stage(name="grid", proposals=(("propose", "morphology", 2), ("propose", "reward", 1))),)
+)
+
+
+def test_what_a_method_cannot_use_is_refused() -> None:
+    starts = [Start("a.json", THICK), Start("run", BEYOND, MINE)]
+    found = usable(starts, ("morphology", "reward"), PLAN, "robomore")
+    assert found == ((THICK, BEYOND), (MINE,))
+    assert usable(starts, ("morphology",), PLAN, "eureka-morphology") == ((THICK, BEYOND), ())
+    with pytest.raises(InputError, match=r"a.json is a morphology.*'eureka' takes a reward"):
+        usable(starts, ("reward",), PLAN, "eureka")
+    with pytest.raises(InputError, match="the method 'reference' starts from the reference alone"):
+        usable(starts, (), PLAN, "reference")
+    with pytest.raises(InputError, match="2 starts have a reward, and this search tries 1"):
+        usable([Start("a.py", None, MINE)] * 2, ("reward",), PLAN, "robomore")
