@@ -56,6 +56,8 @@ def page_data(run: Run, moving: Collection[str], kept: Collection[str]) -> dict[
     return {
         "objective": run.objective,
         "unit": unit_of(run.objective, run.fitness_unit),
+        "fitnessUnit": run.fitness_unit,
+        "perVolume": unit_of("efficiency", run.fitness_unit),
         "parameters": [
             {
                 "name": parameter.name,

@@ -116,7 +116,7 @@ class Task:
         terrain: height field to run on, or `None` for flat ground.
         episode_steps: control steps of a full episode.
         assets: content of the mesh files that the template names, by name.
-        mesh_volumes: enclosed volume of each mesh in m^3 at scale 1, by name.
+        mesh_volumes: enclosed volume of each mesh in m³ at scale 1, by name.
         mass: how the robot's mass follows from its size, in words.
     """
 

@@ -70,8 +70,8 @@ export class DesignWindow {
       well ? null : make("p", { class: "bad" }, `${one.status}: ${one.diagnosis}`),
       one.cut ? make("p", { class: "soft" }, "Screening cut its training short.") : null,
       facts([
-        ["efficiency m/m³", well && number(one.efficiency)],
-        ["fitness m", well && number(one.fitness)],
+        [`efficiency ${this.page.perVolume}`, well && number(one.efficiency)],
+        [`fitness ${this.page.fitnessUnit}`.trim(), well && number(one.fitness)],
         ["volume m³", one.volume && number(one.volume)],
         ["energy J", one.energy && number(one.energy)],
         [unit ? `objective ${unit}` : "objective", this.page.objective !== "efficiency"
