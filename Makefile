@@ -40,7 +40,7 @@ format: $(VENV)/.dev ## Put the code into the one style
 lock: ## Choose the packages' versions anew (needs uv)
 	@command -v uv >/dev/null || { echo "make lock needs uv: pip install uv" >&2; exit 2; }
 	$(COMPILE) --upgrade --group build --output-file lock/base.txt
-	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --extra ray --constraint lock/base.txt --output-file lock/dev.txt
+	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --extra ray --extra export --extra tensorboard --constraint lock/base.txt --output-file lock/dev.txt
 
 # The first line names the sources by their digest, which a test compares.
 bundle: ## Put the scripts of the pages into one file anew (needs Node)

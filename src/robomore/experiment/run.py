@@ -107,8 +107,8 @@ def run(
     searched = limited(task, settings)
     starts = checked_starts(searched, start_from)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
-    given: list[str | None] = [one.reward.source for one in starts if one.reward]
-    given.append(settings.method.options.get("reward"))
+    proposed = [one.reward.source for one in starts if one.reward]
+    given = [settings.method.options.get("reward"), *proposed]
     ours = designer in (None, "offline") and all(one in (None, task.reward) for one in given)
     mode, layers = choose_containment(containment, ours=ours)
     chosen = _no_designer(method)

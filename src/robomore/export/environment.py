@@ -71,6 +71,9 @@ _OFFICIAL = {
     ),
 }
 
+_MEASURED = ("distance", "height")
+"""Measures of fitness that `measure.py` of the package knows."""
+
 
 def package_name(task: Task, name: str) -> str:
     """Return what the package of a design is called: `half_cheetah_champion`."""
@@ -112,6 +115,11 @@ def environment_package(
             f"{' or '.join(_MEASURED)} alone"
         )
     parameters = evaluation.design.morphology.parameters
+    if task.goal.name not in _MEASURED:
+        raise ExportFailed(
+            f"the fitness of {task.id} is {task.goal.name!r}, which the exported code cannot "
+            f"measure; it knows {' and '.join(_MEASURED)}"
+        )
     common = {
         "title": one_line(f"{task.title}, {name}").replace('"', "'").replace("\\", "/"),
         "package": package,

@@ -166,7 +166,7 @@ def _chosen(run: Run) -> tuple[Evaluation, MLPPolicy, str]:
         run.task, evaluation.design.morphology.parameters, lambda *_: (0.0, {})
     )
     shapes = (robot.observation_space.shape, robot.action_space.shape)
-    robot.close()
+    robot.close()  # type: ignore[no-untyped-call]
     if shapes != ((policy.sizes[0],), (policy.sizes[-1],)):
         raise InputError(
             f"the policy of the trainer {evaluation.job.trainer.name!r} maps {policy.sizes[0]} "

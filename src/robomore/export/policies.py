@@ -70,7 +70,8 @@ def onnx_bytes(policy: MLPPolicy, facts: dict[str, str]) -> bytes:
     trials = trial_observations(policy)
     (actions,) = ReferenceEvaluator(model).run(None, {"observation": trials})
     ensure_agreement("ONNX", actions, policy)
-    return model.SerializeToString(deterministic=True)
+    content: bytes = model.SerializeToString(deterministic=True)
+    return content
 
 
 def numpy_module(policy: MLPPolicy, title: str) -> str:

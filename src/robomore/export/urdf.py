@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from itertools import combinations_with_replacement
 from xml.etree import ElementTree
 
 import mujoco
@@ -161,9 +162,8 @@ class _Writer:
             # Along the link's own axes, since some readers ignore a rotation here.
             axes = _matrix(model.body_iquat[body])
             tensor = axes @ np.diag(model.body_inertia[body]) @ axes.T
-            names = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2))
-            names += (("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
-            values = {name: _number(tensor[i, j]) for name, i, j in names}
+            pairs = combinations_with_replacement(range(3), 2)
+            values = {f"i{'xyz'[i]}{'xyz'[j]}": _number(tensor[i, j]) for i, j in pairs}
             ElementTree.SubElement(inertial, "inertia", values)
         first = int(model.body_geomadr[body])
         for geom in range(first, first + int(model.body_geomnum[body])):

@@ -6,8 +6,8 @@ from robomore.runs.words import in_unit, number
 from robomore.store.audit import Audit
 
 
-def in_sum(audit: Audit) -> tuple[str, ...]:
-    """Return what an audit comes to, one sentence each."""
+def in_sum(audit: Audit, unit: str) -> tuple[str, ...]:
+    """Return what an audit comes to, one sentence each; `unit` is that of the fitness."""
     count = len(audit.verdicts)
     if audit.passes:
         first = f"The design passes: none of {count} checks fails"
@@ -16,31 +16,30 @@ def in_sum(audit: Audit) -> tuple[str, ...]:
         first = f"The design fails {len(audit.failed)} of {count} checks: {names}"
     if audit.warned:
         first += f", {len(audit.warned)} warn"
-    worth = _worth(audit.efficiency, audit.fitness, audit.fitness_unit)
+    worth = _worth(audit.efficiency, audit.fitness, unit)
     equal = audit.equal_density
     matter = (
         f"at the reference design's density ({number(equal['density'])} kg/m³, "
         f"{number(equal['mass'])} kg)"
     )
     if "fitness" in equal:
-        same = _worth(equal["efficiency"], equal["fitness"], audit.fitness_unit)
+        same = _worth(equal["efficiency"], equal["fitness"], unit)
     else:
         same = "nothing, since the physics diverges"
     return f"{first}.", f"Efficiency in the audit {worth}; {matter} {same}."
 
 
-def _worth(efficiency: float | None, fitness: float | None, unit: str) -> str:
-    inside = f"{number(fitness)} {unit}".rstrip()
-    return f"{in_unit(efficiency, 'efficiency', unit)} ({inside})"
-
-
-def as_markdown(audit: Audit) -> str:
+def as_markdown(audit: Audit, unit: str) -> str:
     """Return an audit as a Markdown table with two sentences below it."""
     lines = ["| verdict | check | what was seen |", "|---|---|---|"]
     lines += [
         f"| {one.outcome} | {_cell(one.check)} | {_cell(one.says)} |" for one in audit.verdicts
     ]
-    return "\n".join([*lines, "", *(_cell(line) for line in in_sum(audit)), ""])
+    return "\n".join([*lines, "", *(_cell(line) for line in in_sum(audit, unit)), ""])
+
+
+def _worth(efficiency: float | None, fitness: float | None, unit: str) -> str:
+    return f"{in_unit(efficiency, 'efficiency', unit)} ({in_unit(fitness, 'fitness', unit)})"
 
 
 def _cell(text: str) -> str:

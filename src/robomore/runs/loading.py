@@ -77,7 +77,7 @@ def load_run(folder: str | Path) -> Run:
         empty=empty_slots(proposals, plan),
         spending=spending,
         task_changes=_changes(manifest.task_parts, fingerprint(task)),
-        passed_over=_passed_over(records, manifest, task.goal.unit, ends[-1].body if ends else {}),
+        passed_over=_passed_over(task, records, manifest, ends[-1].body if ends else {}),
     )
     if champion is None and (best := best_of((r.evaluation for r in run.searched), run.objective)):
         return replace(run, champion=trained_design("best so far", task, [best]))
@@ -112,7 +112,7 @@ def _groups(
 
 
 def _passed_over(
-    records: Sequence[Record], manifest: Manifest, unit: str, finished: dict[str, Any]
+    task: Task, records: Sequence[Record], manifest: Manifest, finished: dict[str, Any]
 ) -> tuple[str, ...]:
     """Return which designs of the final failed their audit, and why, in words."""
     by_key = {record.evaluation.key: record for record in records}
@@ -123,7 +123,7 @@ def _passed_over(
         group = [by_key[str(key)] for key in keys if str(key) in by_key]
         scores = [s for r in group if (s := r.evaluation.score(manifest.settings.objective))]
         if scores:
-            worth = in_unit(fmean(scores), manifest.settings.objective, unit)
+            worth = in_unit(fmean(scores), manifest.settings.objective, task.goal.unit)
             said.append(f"{group[0].place.changed} ({worth}). {one.get('reason', '')}")
     return tuple(said)
 
