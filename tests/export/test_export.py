@@ -169,7 +169,8 @@ def test_a_task_of_somebody_else_needs_robomore(trained_run: Path, exported: Pat
     mjcf = (exported / "robot" / "robot.xml").read_text()
     files = environment_package(own, evaluation, "champion", mjcf, "")
     assert "robomore==" in files["pyproject.toml"].decode()
-    assert "make_environment(TASK" in files["own_champion/env.py"].decode()
+    assert "carried_task(TASK" in files["own_champion/env.py"].decode()
+    assert files["own_champion/task.json"] == b""
 
 
 def test_text_of_a_designer_stays_text() -> None:

@@ -54,7 +54,6 @@ def show_gallery(folder: Path, as_json: bool) -> None:
     table = Table(box=None, pad_edge=False)
     table.add_column("champion")
     table.add_column("task")
-    # Tasks may measure their fitness in different units, so each number has its own.
     for heading in ("efficiency", "fitness", "volume m³", "over reference", "equal density"):
         table.add_column(heading, justify="right")
     table.add_column("audit")
@@ -63,7 +62,7 @@ def show_gallery(folder: Path, as_json: bool) -> None:
             one.folder.name,
             one.task.title,
             in_unit(one.efficiency, "efficiency", one.task.goal.unit),
-            f"{number(one.fitness)} {one.task.goal.unit}".rstrip(),
+            in_unit(one.fitness, "fitness", one.task.goal.unit),
             number(one.facts.volume),
             number(_over_reference(one), 3),
             number(one.audit.equal_density.get("efficiency")) if one.audit else "-",
@@ -78,7 +77,7 @@ def show_entry(folder: Path, as_json: bool) -> None:
 
     from robomore.cli.audit import print_audit
     from robomore.runs.gallery import load_entry
-    from robomore.runs.words import label, number
+    from robomore.runs.words import in_unit, number
 
     one = load_entry(folder)
     if as_json:
@@ -98,9 +97,9 @@ def show_entry(folder: Path, as_json: bool) -> None:
     table.add_column()
     table.add_column(justify="right")
     unit = one.task.goal.unit
-    table.add_row(label("efficiency", unit), number(one.efficiency))
+    table.add_row("efficiency", in_unit(one.efficiency, "efficiency", unit))
     table.add_row("over the reference design", number(_over_reference(one), 3))
-    table.add_row(label("fitness", unit), number(one.fitness))
+    table.add_row("fitness", in_unit(one.fitness, "fitness", unit))
     table.add_row("volume m³", number(one.facts.volume))
     for parameter in one.task.parameters:
         value = number(one.facts.parameters[parameter.name])

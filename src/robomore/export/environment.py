@@ -21,6 +21,7 @@ from robomore.export.templates import template
 from robomore.identity import derive_seed
 from robomore.runs import Run
 from robomore.store.manifest import package_versions
+from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
 from robomore.text import one_line, to_json
 from robomore.types import Evaluation
@@ -140,6 +141,8 @@ def environment_package(
         "recorded.json": to_json(recorded(evaluation)).decode() + "\n",
     }
     files = {f"{package}/{file}": text.encode() for file, text in inner.items()}
+    if not stands_alone(task):
+        files[f"{package}/task.json"] = task_content(task)
     return files | {"pyproject.toml": template("pyproject.toml", **common).encode()}
 
 
