@@ -288,8 +288,7 @@ class Run:
         Raises:
             InputError: there is no such evaluation.
         """
-        with closing(Ledger(RunFolder(self.folder).ledger, read_only=True)) as ledger:
-            return ledger.curve(self.evaluation(key).key)
+        return self.curves().get(self.evaluation(key).key)
 
     def curves(self) -> dict[str, Curve]:
         """Return how each training went, by the key of its evaluation."""
@@ -360,9 +359,6 @@ class Run:
         if self.champion is None or not self.champion.trained:
             raise InputError(f"{self.folder} has nothing trained yet; wait, or run it on")
         return self.champion.best(self.objective)
-
-    def _role(self, record: Record) -> str:
-        return self.plan.stage(record.place.stage).role
 
 
 def _ratio(
