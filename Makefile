@@ -47,7 +47,7 @@ format: $(VENV)/.dev ## Put the code into the one style
 lock: ## Choose the packages' versions anew (needs uv)
 	@command -v uv >/dev/null || { echo "make lock needs uv: pip install uv" >&2; exit 2; }
 	$(COMPILE) --upgrade --group build --output-file lock/base.txt
-	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --extra ray --extra export --extra tensorboard --constraint lock/base.txt --output-file lock/dev.txt
+	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --extra serve --extra ray --extra export --extra tensorboard --constraint lock/base.txt --output-file lock/dev.txt
 	$(subst pyproject.toml,--group pyproject.toml:robots --no-deps,$(COMPILE)) --upgrade --output-file lock/robots.txt
 
 # The first line names the sources by their digest, which a test compares.

@@ -31,7 +31,7 @@ LAYERS = (
     {"export"},
     {"experiment"},
     {"studies"},
-    {"testing"},
+    {"serve", "testing"},
     {"cli"},
 )
 """From the ground up. A module imports its own package and what stands below it, nothing else."""

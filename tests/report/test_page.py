@@ -153,8 +153,9 @@ def test_every_evaluation_can_be_opened(pages: dict[str, str], runs: dict[str, R
             )
             assert len(data["stills"][one["m"]]) == 3  # links of a swimmer
             assert one["status"] == evaluation.status
-            # Every mark that stands for it opens it.
-            assert f'data-key="{one["key"]}"' in pages[name]
+            # The marks that stand for it open it; what failed beside a grid is in the table alone.
+            marked = f'data-key="{one["key"]}"' in pages[name]
+            assert marked or not evaluation.ok or name == "reference"
 
 
 def test_a_curve_comes_out_as_it_went_in(page: str, runs: dict[str, Run]) -> None:
@@ -249,7 +250,7 @@ def test_the_methods_name_is_on_its_page_and_nothing_empty(pages: dict[str, str]
 
 
 @pytest.mark.parametrize(
-    ("method", "count"), [("robomore", 10), ("random", 9), ("reference", 5), ("foreign", 10)]
+    ("method", "count"), [("robomore", 12), ("random", 11), ("reference", 5), ("foreign", 12)]
 )
 def test_its_figures_are_well_formed(pages: dict[str, str], method: str, count: int) -> None:
     page = pages[method].replace(bundle(), "")
@@ -373,7 +374,7 @@ def test_without_curves_there_is_no_empty_section(tmp_path: Path) -> None:
     found = load_run(tmp_path)
     assert found.curve(best.key) is None
     assert learning_curves(found) == []
-    assert "Learning curves" not in render(found)
+    assert "Learning curves" not in in_words(render(found))
 
 
 def test_slots_that_stayed_empty_are_on_the_page(tmp_path: Path) -> None:

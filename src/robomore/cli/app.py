@@ -27,6 +27,7 @@ COMMANDS = {
     "show": ("robomore.cli.show:show", "Show a run: champion, reference, how it got there."),
     "play": ("robomore.cli.play:play", "Watch a champion move, in a window or as a video."),
     "report": ("robomore.cli.show:report", "Write a run's report as one HTML file."),
+    "serve": ("robomore.cli.serve:serve", "Show the runs of a folder live in a browser."),
     "audit": ("robomore.cli.audit:audit", "Check whether a champion's number can be believed."),
     "gallery": ("robomore.cli.gallery:gallery", "Keep the champions of runs in one folder."),
     "methods": ("robomore.cli.methods:methods", "List the search methods and their options."),

@@ -63,29 +63,43 @@ def show(
 
 
 def report(
-    run: Path,
-    /,
-    *,
+    *runs: Path,
     evaluation: str | None = None,
     reference: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
+    replays: int = 12,
 ) -> None:
-    """Write a run's report as one HTML file that needs nothing else.
+    """Write a run's report as one HTML file that needs nothing else; of several, how they compare.
 
     Parameters
     ----------
-    run
-        A run's folder. The run may still go on.
+    runs
+        A run's folder. The run may still go on. Of several runs, or of a study's folder, the page
+        compares them.
     evaluation
         Key of one of the run's evaluations, or its beginning, instead of the champion.
     reference
         Write about the reference design of the run's final instead of the champion.
     out
-        The file; by default `report.html` in the folder, or `report-KEY.html`.
+        The file; by default `report.html` in the folder, or `report-KEY.html`. Of several runs
+        `comparison.html` here, and of a study in its folder.
+    replays
+        Designs of the run that are shown in motion at most, champion and reference first.
     """
-    from robomore.report import write_report
+    from robomore.report import write_comparison, write_report
 
-    write(f"{write_report(chosen_run(run, evaluation, reference), out)}\n")
+    if replays < 0:
+        raise InputError(f"--replays is {replays}; give a number from 0")
+    if not runs:
+        raise InputError("which run? name its folder: robomore report RUN")
+    study = len(runs) == 1 and (runs[0] / "cells").is_dir()
+    if len(runs) == 1 and not study:
+        write(f"{write_report(chosen_run(runs[0], evaluation, reference), out, replays)}\n")
+        return
+    if evaluation or reference:
+        raise InputError("--evaluation and --reference are of one run; name one folder")
+    folder = runs[0] if study else Path()
+    write(f"{write_comparison(runs, out or folder / 'comparison.html')}\n")
 
 
 def print_outcome(run: Run) -> None:

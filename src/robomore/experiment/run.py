@@ -25,6 +25,7 @@ from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
 from robomore.experiment.starting import Given, checked_starts
 from robomore.experiment.training_facts import training_facts
+from robomore.monitor.progress import ProgressFile
 from robomore.plan import Plan
 from robomore.report import write_report
 from robomore.runs import Run, load_run
@@ -171,6 +172,9 @@ def run(
         stack.callback(tracking.close)
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
+        progress = ProgressFile(folder.progress, observe)
+        stack.callback(progress.close)
+        observe = one_at_a_time(progress)
         if content:
             folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))

@@ -93,8 +93,7 @@ def draw(task: Task, parameters: Parameters) -> Scene:
     """
     model = compile_model(task, parameters)
     data = mujoco.MjData(model)
-    from_file = isinstance(task.options, FixedOptions)
-    data.qpos[:] = starting_pose(task, model) if from_file else rest_pose(model)
+    data.qpos[:] = picture_pose(task, model)
     mujoco.mj_kinematics(model, data)
     view = view_of(model)
     bare = project(model, data, view)
@@ -111,6 +110,12 @@ def view_of(model: mujoco.MjModel) -> View:
         return _looking_from(azimuth=-65.0, elevation=24.0)
     axis = np.abs(model.jnt_axis[hinges]).mean(axis=0)
     return _looking_from(azimuth=-90.0, elevation=90.0 if axis[2] > axis[1] else 0.0)
+
+
+def picture_pose(task: Task, model: mujoco.MjModel) -> Array:
+    """Return joint positions (nq,) for a picture of a task's robot."""
+    from_file = isinstance(task.options, FixedOptions)
+    return starting_pose(task, model) if from_file else rest_pose(model)
 
 
 def rest_pose(model: mujoco.MjModel) -> Array:

@@ -6,7 +6,7 @@ import mujoco
 
 from robomore.envs.compile import Parameters
 from robomore.errors import InvalidMorphology
-from robomore.rendering.drawing import View, distance_to_world, rest_pose, solids, view_of
+from robomore.rendering.drawing import View, distance_to_world, picture_pose, solids, view_of
 from robomore.tasks import Task
 
 Capsules = list[list[float]]
@@ -21,7 +21,7 @@ def still(task: Task, parameters: Parameters) -> tuple[Capsules, View]:
     """
     text = task.mjcf(parameters)
     try:
-        spec = mujoco.MjSpec.from_string(text)
+        spec = mujoco.MjSpec.from_string(text, assets=dict(task.assets))
         # Generated ground takes longer than all else, and nobody sees it here.
         for geom in list(spec.geoms):
             if geom.type == mujoco.mjtGeom.mjGEOM_HFIELD:
@@ -30,7 +30,7 @@ def still(task: Task, parameters: Parameters) -> tuple[Capsules, View]:
     except ValueError as error:
         raise InvalidMorphology(f"{task.id}: MuJoCo refuses this morphology: {error}") from error
     data = mujoco.MjData(model)
-    data.qpos[:] = rest_pose(model)
+    data.qpos[:] = picture_pose(task, model)
     mujoco.mj_kinematics(model, data)
     capsules = [
         [

@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from robomore.errors import InvalidMorphology
 from robomore.plain_files import cannot_write, write_plain
+from robomore.report.audit_words import in_sum
 from robomore.report.command import command_line
 from robomore.report.comparison_plot import parameter_rows, seed_dots
 from robomore.report.diversity import diversity
@@ -31,6 +32,7 @@ from robomore.report.scripts import policy, style, with_scripts
 from robomore.report.sharing import share_image
 from robomore.report.source import highlighted
 from robomore.runs import Run, load_run
+from robomore.runs.audits import audit_of
 from robomore.runs.grid import grids
 from robomore.runs.words import (
     duration,
@@ -112,6 +114,7 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
         for one, said in ((run.champion, name), (run.reference, "reference design"))
         if one and one.trained
     ]
+    audit = audit_of(run)
     # The reference may be the champion.
     stage = [(key, said) for key, said in dict(stage).items() if key in packs]
     return (
@@ -125,6 +128,8 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             reference=run.reference,
             unit=unit_of(run.objective, unit),
             stage=stage,
+            audit=audit,
+            audited=in_sum(audit, unit) if audit else (),
             grids=[(grid.stage.name, heatmap(grid, run.objective, unit)) for grid in grids(run)],
             stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
             best_so_far=best_so_far(run),
@@ -164,6 +169,7 @@ def templates() -> Environment:
         "with_interval": with_interval,
         "highlighted": lambda source: Markup(highlighted(source)),
         "markup": Markup,
+        "zip": zip,
     }
     return environment
 

@@ -57,7 +57,7 @@ def page_data(run: Run, moving: Collection[str], kept: Collection[str]) -> dict[
         "objective": run.objective,
         "unit": unit_of(run.objective, run.fitness_unit),
         "fitnessUnit": run.fitness_unit,
-        "efficiencyUnit": run.task.goal.per_volume,
+        "perVolume": unit_of("efficiency", run.fitness_unit),
         "parameters": [
             {
                 "name": parameter.name,

@@ -215,7 +215,8 @@ class Run:
     @cached_property
     def search_steps(self) -> int:
         """Control steps of training that the search took, the final left out."""
-        search = (r.evaluation for r in self.records if self._role(r) != "final")
+        final = {stage.name for stage in self.plan.stages if stage.role == "final"}
+        search = (r.evaluation for r in self.records if r.place.stage not in final)
         return trained_steps({e.key: e for e in search}.values())
 
     @cached_property
@@ -288,8 +289,7 @@ class Run:
         Raises:
             InputError: there is no such evaluation.
         """
-        with closing(Ledger(RunFolder(self.folder).ledger, read_only=True)) as ledger:
-            return ledger.curve(self.evaluation(key).key)
+        return self.curves().get(self.evaluation(key).key)
 
     def curves(self) -> dict[str, Curve]:
         """Return how each training went, by the key of its evaluation."""
@@ -360,9 +360,6 @@ class Run:
         if self.champion is None or not self.champion.trained:
             raise InputError(f"{self.folder} has nothing trained yet; wait, or run it on")
         return self.champion.best(self.objective)
-
-    def _role(self, record: Record) -> str:
-        return self.plan.stage(record.place.stage).role
 
 
 def _ratio(

@@ -31,6 +31,7 @@ class RunFolder:
     scratch/          what is being trained right now; empty when nothing runs
     champion/         the answer: design.json, reward.py, robot.xml, policy.npz, SHA256SUMS
     report.html       the answer as a page
+    progress.json     how far the run is, for `robomore serve`
     lock              held while the run goes on
     ```
     """
@@ -45,6 +46,7 @@ class RunFolder:
         self.checkpoints = path / "checkpoints"
         self.champion = path / "champion"
         self.report = path / "report.html"
+        self.progress = path / "progress.json"
         self.hint = path / "hint.txt"
         self._lock = path / "lock"
         self._probe = path / "probe.partial"

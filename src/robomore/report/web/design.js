@@ -70,7 +70,7 @@ export class DesignWindow {
       well ? null : make("p", { class: "bad" }, `${one.status}: ${one.diagnosis}`),
       one.cut ? make("p", { class: "soft" }, "Screening cut its training short.") : null,
       facts([
-        [`efficiency ${this.page.efficiencyUnit}`, well && number(one.efficiency)],
+        [`efficiency ${this.page.perVolume}`, well && number(one.efficiency)],
         [`fitness ${this.page.fitnessUnit}`.trim(), well && number(one.fitness)],
         ["volume m³", one.volume && number(one.volume)],
         ["energy J", one.energy && number(one.energy)],

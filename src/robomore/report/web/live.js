@@ -16,12 +16,15 @@ export function follow(element) {
   const source = new EventSource(element.dataset.live);
   source.onopen = () => (state.textContent = "live");
   source.onerror = () => (state.textContent = "not connected; trying again …");
-  source.addEventListener("changed", () => renew(element));
+  source.addEventListener("changed", () => renew(element, element.dataset.part));
+  // How far it is changes every second; then nothing else is asked for.
+  source.addEventListener("progress", () =>
+    renew(element, element.dataset.progress ?? element.dataset.part));
 }
 
-async function renew(element) {
-  const answer = await fetch(element.dataset.part).catch(() => null);
-  if (!answer) return;
+async function renew(element, address) {
+  const answer = await fetch(address).catch(() => null);
+  if (!answer?.ok) return;
   const chosen = document.activeElement?.id;
   const next = new DOMParser().parseFromString(await answer.text(), "text/html");
   for (const old of element.querySelectorAll("[data-part-of]")) {

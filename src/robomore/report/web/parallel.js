@@ -8,7 +8,8 @@ const ANCHORS = [[38, 30, 74], [49, 94, 140], [41, 150, 130], [145, 196, 76], [2
 export class Parallel {
   constructor(page, element) {
     this.lines = page.evaluations.filter((one) => one.status === "ok" && !one.cut);
-    const measured = [["fitness", page.fitnessUnit], ["volume", "m³"], ["efficiency", page.efficiencyUnit]];
+    const measured = [["fitness", page.fitnessUnit], ["volume", "m³"],
+      ["efficiency", page.perVolume]];
     this.axes = [
       ...page.parameters.map((parameter, n) => ({ name: parameter.name, unit: parameter.unit,
         low: parameter.low, high: parameter.high,

@@ -24,7 +24,8 @@ export function wireTables(root = document) {
 }
 
 function value(cell) {
-  return cell.dataset.value === undefined ? cell.textContent.trim() : Number(cell.dataset.value);
+  if (cell.dataset.value === undefined) return cell.textContent.trim();
+  return cell.dataset.value === "" ? null : Number(cell.dataset.value);
 }
 
 function mark(headings, heading, upwards) {
@@ -49,7 +50,7 @@ export class Evaluations {
     this.columns = {
       place: text((one) => one.places[0]),
       status: text((one) => one.status),
-      [`efficiency ${page.efficiencyUnit}`]: figure((one) => one.efficiency),
+      [`efficiency ${page.perVolume}`]: figure((one) => one.efficiency),
       [`fitness ${page.fitnessUnit}`.trim()]: figure((one) => one.fitness),
       "volume m³": figure((one) => one.volume),
       "energy J": figure((one) => one.energy),

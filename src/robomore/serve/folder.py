@@ -1,0 +1,138 @@
+"""The runs of a folder, read again when they change, and never so often that a run is slower."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from robomore.errors import RoboMoReError
+from robomore.monitor.progress import Progress, read_progress
+from robomore.runs import Run, load_run
+from robomore.store import RunFolder
+
+_DEPTH = 3
+_MOST_RUNS = 500
+_REST = 3.0
+"""After a run was read, nothing is read again for so many times as long as that took."""
+_QUIET_SECONDS = 120.0
+"""A run that has told nothing for so long is not called running."""
+
+Stamp = tuple[tuple[int, int], ...]
+"""Times of change and sizes of some files."""
+
+
+@dataclass(slots=True)
+class Watched:
+    """A run folder as it was last read.
+
+    Attributes:
+        name: path below the folder that is served, with `/`.
+        path: of the run folder.
+        run: as last read; `None` if it never could be.
+        error: why it cannot be read now; empty if it can.
+        progress: what the run last told of itself.
+    """
+
+    name: str
+    path: Path
+    run: Run | None = None
+    error: str = ""
+    progress: Progress | None = None
+    _stamp: Stamp = ()
+    _rested: float = 0.0
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    @property
+    def running(self) -> bool:
+        """Whether it goes on, as far as can be seen from outside."""
+        told = self.progress
+        return bool(told and not told.over and time.time() - told.time < _QUIET_SECONDS)
+
+    def stamp(self) -> tuple[Stamp, Stamp]:
+        """Return what changes when the ledger does, and when the progress does."""
+        files = RunFolder(self.path)
+        log = files.ledger.with_name(files.ledger.name + "-wal")
+        return _stamp(files.manifest, files.ledger, log), _stamp(files.progress)
+
+    def read(self) -> Watched:
+        """Bring it up to date, unless it was read a moment ago; returns itself."""
+        with self._lock:
+            self.progress = read_progress(RunFolder(self.path).progress)
+            stamp, _ = self.stamp()
+            began = time.monotonic()
+            if stamp == self._stamp or began < self._rested:
+                return self
+            try:
+                self.run, self.error = load_run(self.path), ""
+            except (RoboMoReError, OSError) as error:
+                self.error = " ".join(str(error).split())
+            # What was written while it was read is read the next time.
+            self._stamp = stamp
+            now = time.monotonic()
+            self._rested = now + _REST * (now - began)
+        return self
+
+
+class ServedFolder:
+    """The runs below a folder, by name. Links are not followed, so nothing else is ever read."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self._known: dict[str, Watched] = {}
+        self._lock = threading.Lock()
+
+    def runs(self) -> list[Watched]:
+        """Return the runs that are there now, without reading them."""
+        found = dict(self._found())
+        with self._lock:
+            self._known = {
+                name: self._known.get(name) or Watched(name, path) for name, path in found.items()
+            }
+            return [self._known[name] for name in sorted(self._known)]
+
+    def run(self, name: str) -> Watched | None:
+        """Return the run of a name that `runs` would list; a name is never taken for a path."""
+        return next((one for one in self.runs() if one.name == name), None)
+
+    def stamp(self) -> tuple[tuple[str, tuple[Stamp, Stamp]], ...]:
+        """Return what changes when anything in the folder does."""
+        return tuple((one.name, one.stamp()) for one in self.runs())
+
+    def _found(self) -> Iterator[tuple[str, Path]]:
+        count = 0
+        for path in _folders(self.root, _DEPTH):
+            if (path / "run.json").is_file() and not (path / "run.json").is_symlink():
+                yield path.relative_to(self.root).as_posix(), path
+                count += 1
+                if count == _MOST_RUNS:
+                    return
+
+
+def _folders(path: Path, depth: int) -> Iterator[Path]:
+    """Yield a folder and those below it, but nothing below a run."""
+    yield path
+    if depth == 0 or (path / "run.json").exists():
+        return
+    try:
+        with os.scandir(path) as entries:
+            inner = sorted(e.name for e in entries if e.is_dir(follow_symlinks=False))
+    except OSError:  # it vanished, or may not be read
+        return
+    for name in inner:
+        if not name.startswith("."):
+            yield from _folders(path / name, depth - 1)
+
+
+def _stamp(*paths: Path) -> Stamp:
+    found = []
+    for path in paths:
+        try:
+            facts = path.stat(follow_symlinks=False)
+            found.append((facts.st_mtime_ns, facts.st_size))
+        except OSError:
+            found.append((0, -1))
+    return tuple(found)

@@ -1,0 +1,168 @@
+"""The live pages: what they say of runs that begin, go on, end, vanish and are damaged."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("starlette", reason="the extra [serve] is not installed")
+pytest.importorskip("sse_starlette", reason="the extra [serve] is not installed")
+
+import anyio
+from starlette.applications import Starlette
+
+from fake_run import NASTY, FakeRun, finished_run
+from robomore.events import RunBegan
+from robomore.monitor.progress import Progress, ProgressFile, Under, read_progress
+from robomore.rendering.packing import unpack
+from robomore.serve import application
+from robomore.text import to_json
+
+
+def get(app: Starlette, address: str) -> tuple[int, bytes]:
+    """Return status and body of one answer."""
+    path, _, query = address.partition("?")
+    told: list[Any] = []
+
+    async def send(message: Any) -> None:
+        told.append(message)
+
+    async def receive() -> Any:
+        return {"type": "http.request"}
+
+    scope = {
+        "type": "http", "method": "GET", "path": path, "raw_path": path.encode(),
+        "query_string": query.encode(), "root_path": "", "scheme": "http",
+        "headers": [(b"host", b"localhost")], "server": ("localhost", 80), "client": ("::1", 1),
+        "http_version": "1.1",
+    }  # fmt: skip
+    anyio.run(app, scope, receive, send)
+    body = b"".join(one.get("body", b"") for one in told[1:])
+    return told[0]["status"], body
+
+
+def page(app: Starlette, address: str) -> str:
+    status, body = get(app, address)
+    assert status == 200, body
+    return body.decode()
+
+
+def told(run: FakeRun, **changes: Any) -> None:
+    """Write down how far a run is."""
+    known: dict[str, Any] = {
+        "time": time.time(), "elapsed": 60.0, "left": 120.0, "stage": "coarse", "asked": 12,
+        "done": 5, "finished": 5, "failed": 1, "known": 0, "workers": 2,
+        "running": (Under("coarse: morphology 2, reward 3", 0.5),), "steps": 5000,
+        "budget": None, "trouble": NASTY,
+    }  # fmt: skip
+    run.folder.progress.write_bytes(to_json(Progress(**known | changes)))
+
+
+def test_runs_appear_go_on_end_and_vanish(tmp_path: Path) -> None:
+    app = application(tmp_path)
+    assert "There is no run here yet" in page(app, "/")
+
+    run = FakeRun(tmp_path / "a" / "first")
+    told(run)
+    shown = page(app, "/")
+    assert "a/first" in shown and "running" in shown and "about 2 min" in shown
+    one = page(app, "/run?name=a/first")
+    assert "5 of 12 in this batch, 1 failed; about 2 min left; 300 evaluations an hour" in one
+    assert "coarse: morphology 2, reward 3" in one
+    assert NASTY not in one
+    assert "Nothing has been trained yet" in one
+
+    best = run.coarse()
+    time.sleep(0.3)  # the run is not read twice within a moment
+    shown = page(app, "/run?name=a/first")
+    assert "so far" in shown and f'data-key="{best.key}"' in shown
+
+    run.final(best)
+    told(run, over=True, left=0.0)
+    time.sleep(0.3)
+    assert "finished" in page(app, "/")
+    assert "about" not in page(app, "/run?name=a/first&part=progress")
+
+    shutil.rmtree(tmp_path / "a")
+    assert get(app, "/run?name=a/first")[0] == 404
+    assert "There is no run here yet" in page(app, "/")
+
+
+def test_a_run_that_was_killed_is_not_called_running(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path / "killed")
+    run.coarse()
+    told(run, time=time.time() - 3600)
+    shown = page(application(tmp_path), "/run?name=killed")
+    assert "stopped" in shown.lower()
+    assert "left" not in shown
+
+
+def test_a_damaged_run_says_so_and_the_others_are_shown(tmp_path: Path) -> None:
+    finished_run(tmp_path / "good")
+    (tmp_path / "bad").mkdir()
+    (tmp_path / "bad" / "run.json").write_text("{")
+    shown = page(application(tmp_path), "/")
+    assert "is damaged" in shown
+    assert "good" in shown and "finished" in shown
+
+
+@pytest.mark.parametrize(
+    "name", ["../secret", "..", "/etc", "good/../../secret", "%2e%2e/secret", "link", "good/"]
+)
+def test_only_names_that_are_listed_are_served(tmp_path: Path, name: str) -> None:
+    root = tmp_path / "root"
+    FakeRun(root / "good")
+    FakeRun(tmp_path / "secret")
+    (root / "link").symlink_to(tmp_path / "secret")
+    app = application(root)
+    for where in ("/run", "/run/report", "/run/replay"):
+        assert get(app, f"{where}?name={name}")[0] == 404
+    assert get(app, "/../secret")[0] == 404
+    assert get(app, "/static/../../secret")[0] == 404
+    assert "secret" not in page(app, "/")
+
+
+def test_what_moves_and_the_whole_report(trained_run: Path) -> None:
+    app = application(trained_run)
+    shown = page(app, "/run?name=.")
+    assert "/run/replay?name=." in shown
+    report = page(app, "/run/report?name=.")
+    assert 'data-pack="page"' in report
+    key = report.split('data-pack="', 1)[1].split('"', 1)[0]
+    status, body = get(app, f"/run/replay?name=.&key={key}")
+    assert status == 200
+    assert unpack(body)["frames"] > 10
+    assert get(app, "/run/replay?name=.&key=../../etc")[0] == 404
+
+
+def test_a_run_tells_how_far_it_is_at_most_once_a_second(tmp_path: Path, began: RunBegan) -> None:
+    clock = [0.0]
+    seen: list[object] = []
+    file = tmp_path / "progress.json"
+    observer = ProgressFile(file, seen.append, lambda: clock[0])
+    assert read_progress(file) is None
+    observer(began)
+    first = read_progress(file)
+    assert first is not None and not first.over
+    for clock[0] in (0.1, 0.2):
+        observer(began)
+    assert read_progress(file) == first
+    assert len(seen) == 3
+    clock[0] = 5.0
+    observer.close()
+    last = read_progress(file)
+    assert last is not None and last.over and last.elapsed == 5.0
+
+
+@pytest.mark.parametrize("content", [b"{", b"[]", b'{"time": "x"}', b"[" * 100_000])
+def test_nonsense_about_progress_is_no_progress(tmp_path: Path, content: bytes) -> None:
+    file = tmp_path / "progress.json"
+    file.write_bytes(content)
+    assert read_progress(file) is None
+    file.unlink()
+    file.symlink_to("/etc/passwd")
+    assert read_progress(file) is None
