@@ -62,5 +62,4 @@ def audit(subject: Subject) -> Audit:
         equal_density=density.equal_density(subject),
         verdicts=tuple(check(subject) for check in CHECKS),
         versions=package_versions(),
-        fitness_unit=subject.task.goal.unit,
     )

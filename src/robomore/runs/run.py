@@ -215,7 +215,8 @@ class Run:
     @cached_property
     def search_steps(self) -> int:
         """Control steps of training that the search took, the final left out."""
-        search = (r.evaluation for r in self.records if self._role(r) != "final")
+        final = {stage.name for stage in self.plan.stages if stage.role == "final"}
+        search = (r.evaluation for r in self.records if r.place.stage not in final)
         return trained_steps({e.key: e for e in search}.values())
 
     @cached_property
