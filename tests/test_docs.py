@@ -252,7 +252,7 @@ def texts() -> Iterator[tuple[str, str]]:
     paths += [path for folder in folders for path in (ROOT / folder).rglob("*") if path.is_file()]
     for path in paths:
         content = path.read_bytes()
-        if b"\0" not in content and "__pycache__" not in path.parts:
+        if b"\0" not in content and not {"__pycache__", "node_modules"} & set(path.parts):
             yield named(path), content.decode(errors="replace")
 
 

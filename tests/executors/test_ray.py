@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
@@ -57,7 +58,7 @@ def executor(cluster: Any) -> Iterator[Ray]:
 
 
 def outcomes(executor: Ray, name: str, payloads: list[bytes]) -> list[object]:
-    found = dict(executor.map(f"jobs:{name}", payloads, lambda index, units: None, 120))
+    found = dict(executor.map(f"jobs:{name}", payloads, lambda index, units: None, 900))
     return [found[index] for index in range(len(payloads))]
 
 
@@ -68,7 +69,7 @@ def test_keys_stay_with_the_driver(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     with closing(Ray(1)) as executor:
         assert os.environ["OPENAI_API_KEY"] == PLANTED
         ((_, seen),) = executor.map(
-            "jobs:everything_around", [str(os.getpid()).encode()], lambda i, units: None, 120
+            "jobs:everything_around", [str(os.getpid()).encode()], lambda i, units: None, 900
         )
         assert isinstance(seen, Done) and seen.reply.count(b"PATH=") > 2
         assert PLANTED.encode() not in seen.reply
@@ -121,7 +122,7 @@ def test_a_folder_travels_from_job_to_job_and_can_be_lost(executor: Ray) -> None
     def counted(left: object, leave: bool = True) -> Done:
         carry = [Carry("some-name", left, leave)]
         ((_, outcome),) = executor.map_remote(
-            "jobs:count", [b"some-name"], lambda index, units: None, 120, carry=carry
+            "jobs:count", [b"some-name"], lambda index, units: None, 900, carry=carry
         )
         assert isinstance(outcome, Done)
         return outcome
@@ -154,7 +155,8 @@ def test_with_a_node_killed_in_the_middle_the_numbers_are_those_of_one_process(
     if settings is not SCREENED:
         monkeypatch.setattr("robomore.evaluation.evaluator._WORK", "jobs:made_up_work")
     cells = cells_of(STUDY, ["swimmer"], Scale(settings, seeds), seeds)
-    victim = cluster.add_node(num_cpus=1)
+    victims = list(cluster.worker_nodes)
+    cluster.add_node(num_cpus=1)
     keys: list[str] = []
 
     def tell(index: int, cell: object) -> Callable[[Event], None]:
@@ -162,13 +164,15 @@ def test_with_a_node_killed_in_the_middle_the_numbers_are_those_of_one_process(
             if isinstance(event, Finished) and not event.known:
                 keys.append(event.evaluation.key)
                 if len(keys) == 5:
-                    cluster.remove_node(victim, allow_graceful=False)
+                    # At least one of them is busy: there is more to do than they can.
+                    for node in victims:
+                        cluster.remove_node(node, allow_graceful=False)
 
         return observe
 
     run_study(STUDY, cells, tmp_path / "ray", executor=executor, side_by_side=4, tell=tell)
     run_study(STUDY, cells, tmp_path / "inline", executor="inline")
-    assert "lost an evaluation, which is done again" in caplog.text or settings is SCREENED
+    assert "lost an evaluation, which is done again" in caplog.text
     assert len(keys) > 8
     for cell in cells:
         ours, theirs = tmp_path / "ray" / cell.folder, tmp_path / "inline" / cell.folder
@@ -179,8 +183,11 @@ def test_with_a_node_killed_in_the_middle_the_numbers_are_those_of_one_process(
 
 
 def test_a_node_that_is_not_fit_gets_no_more_work(
-    executor: Ray, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    cluster: Any, executor: Ray, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
+    while executor.workers < 2:
+        cluster.add_node(num_cpus=1)
+        time.sleep(2)
     payload = f"unfit {tmp_path / 'once'}".encode()
     assert outcomes(executor, "once", [payload]) == [Done(b"done")]
     assert executor.workers == 1
