@@ -111,7 +111,7 @@ def test_a_robot_that_lies_on_its_back_is_not_healthy(dog: Task) -> None:
 
 
 def test_actions_reach_all_of_a_servos_range(dog: Task) -> None:
-    env = made(dog)
+    env = OwnRobotEnvironment(dog, dog.reference, reward_function(dog.reward), reach=1.0)
     control = env.control_map()
     assert control.controls(np.ones(8))[:2] == pytest.approx((2.5, -0.9))
     assert control.controls(-np.ones(8))[:2] == pytest.approx((-0.7, -2.7))

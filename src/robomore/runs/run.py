@@ -13,6 +13,7 @@ from robomore.errors import InputError
 from robomore.llm import Spending
 from robomore.plan import Plan
 from robomore.runs.empty import EmptySlot
+from robomore.runs.failures import Failure, failures_of
 from robomore.runs.lineage import Record, ancestry, best_of, trained_steps
 from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.pareto import covered, pareto_set
@@ -33,21 +34,6 @@ if TYPE_CHECKING:
 
 FEWEST_FOR_HEADLINE = 3
 """Training seeds below which no ratio is put into a headline."""
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """Evaluations that failed for one reason.
-
-    Attributes:
-        status: how they ended.
-        diagnosis: of the first of them.
-        places: where in the run.
-    """
-
-    status: Status
-    diagnosis: str
-    places: tuple[Place, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,13 +208,7 @@ class Run:
     @cached_property
     def failures(self) -> tuple[Failure, ...]:
         """What failed, by reason, the most frequent first."""
-        groups: dict[tuple[Status, str], list[Place]] = {}
-        for record in self.records:
-            e = record.evaluation
-            if not e.ok:
-                groups.setdefault((e.status, e.diagnosis), []).append(record.place)
-        found = [Failure(status, said, tuple(at)) for (status, said), at in groups.items()]
-        return tuple(sorted(found, key=lambda failure: -len(failure.places)))
+        return failures_of(self.records)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
