@@ -12,7 +12,7 @@ COMPILE := uv pip compile pyproject.toml --quiet --universal --python-version 3.
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-all lint format lock bundle clean
+.PHONY: help demo picture test test-all test-robots lint format lock bundle clean
 
 help: ## List these verbs
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -22,11 +22,18 @@ demo: $(VENV)/.run ## Search for a better robot on this machine; ends with a rep
 		--method-option morphologies=3 --method-option rewards=2 --method-option max_cycles=1 \
 		--seed 0 --out runs/demo
 
+picture: $(VENV)/.run ## Make the README's moving picture from what the demo found
+	$(BIN)/robomore play runs/demo --beside --seconds 10 --out docs/assets/champion.webp
+
 test: $(VENV)/.dev ## Run the tests, on all cores
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
 
 test-all: $(VENV)/.dev ## Run the tests with all their examples (takes long)
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m ''
+
+test-robots: $(VENV)/.dev ## Run the tests with robots that others made (downloads 30 MB)
+	@$(PIP) install --no-deps --require-hashes --requirement lock/robots.txt
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m robots
 
 lint: $(VENV)/.dev ## Check style and types
 	$(BIN)/ruff check .
@@ -40,7 +47,8 @@ format: $(VENV)/.dev ## Put the code into the one style
 lock: ## Choose the packages' versions anew (needs uv)
 	@command -v uv >/dev/null || { echo "make lock needs uv: pip install uv" >&2; exit 2; }
 	$(COMPILE) --upgrade --group build --output-file lock/base.txt
-	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra serve --extra table --extra ray --constraint lock/base.txt --output-file lock/dev.txt
+	$(COMPILE) --upgrade --group dev --extra union --extra llm --extra plot --extra table --extra serve --extra ray --extra export --extra tensorboard --constraint lock/base.txt --output-file lock/dev.txt
+	$(subst pyproject.toml,--group pyproject.toml:robots --no-deps,$(COMPILE)) --upgrade --output-file lock/robots.txt
 
 # The first line names the sources by their digest, which a test compares.
 bundle: ## Put the scripts of the pages into one file anew (needs Node)

@@ -26,6 +26,7 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -60,6 +61,8 @@ SPREAD = 0.15
 BROKEN = 0.05
 """Share of trainings that fail, after a tenth of their time."""
 SECONDS_PER_STEP = 0.4e-3
+PATIENCE = 3.0
+"""A training that takes so many times its time is copied to a free worker, as `Ray` does."""
 WORKERS = (2, 8, 16, 32, 64, 128, 256, 512, 1024)
 
 
@@ -169,6 +172,8 @@ def searched(
             best = method.run(designer, evaluate, context)
         except BudgetSpent:
             best = evaluate.best(settings.objective)
+        if not best:
+            return executor
         final(
             partial(evaluator.measure, budget=settings.final),
             best[: settings.final.finalists],
@@ -207,7 +212,7 @@ def cost(evaluations: int) -> None:
     )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, order=True)
 class Training:
     """One training, or the rest of one that screening paused.
 
@@ -273,7 +278,8 @@ def makespan(
     missing = [0] * len(runs)
     waiting: deque[tuple[int, Training]] = deque()
     idle = list(range(workers))
-    events: list[tuple[float, int, int]] = []
+    events: list[tuple[float, int, int, int, Training]] = []
+    numbers, over = count(), set[int]()
     machine: dict[int, int] = {}
     now = 0.0
 
@@ -289,6 +295,12 @@ def makespan(
         own = machine[training.name]
         return next((n for n, worker in enumerate(idle) if worker // pinned == own), None)
 
+    def give(run: int, training: Training, worker: int, number: int) -> None:
+        factor = slow if worker < max(1, workers // 8) else 1.0
+        heapq.heappush(events, (now + factor * training.seconds, number, worker, run, training))
+        if factor > PATIENCE:
+            heapq.heappush(events, (now + PATIENCE * training.seconds, number, -1, run, training))
+
     def start() -> None:
         for _ in range(len(waiting)):
             if not idle:
@@ -301,14 +313,26 @@ def makespan(
             worker = idle.pop(place)
             if pinned is not None:
                 machine[training.name] = worker // pinned
-            factor = slow if worker < max(1, workers // 8) else 1.0
-            heapq.heappush(events, (now + factor * training.seconds, worker, run))
+            give(run, training, worker, next(numbers))
 
     for run in range(len(runs)):
         ask(run)
     start()
     while events:
-        now, worker, run = heapq.heappop(events)
+        moment, number, worker, run, training = heapq.heappop(events)
+        if number in over:
+            if worker >= 0:  # It was given up when the other one was done.
+                idle.append(worker)
+                start()
+            continue
+        now = moment
+        if worker < 0:
+            if not waiting and idle:
+                quickest = max(idle)
+                idle.remove(quickest)
+                give(run, training, quickest, number)
+            continue
+        over.add(number)
         idle.append(worker)
         missing[run] -= 1
         if not missing[run]:
@@ -320,9 +344,9 @@ def makespan(
 def told(runs: Sequence[Recorded]) -> None:
     """Print how well any number of workers is used."""
     work, chain = sum(run.work for run in runs), max(run.chain for run in runs)
-    count = sum(len(batch) for run in runs for batch in run.batches)
+    trainings = sum(len(batch) for run in runs for batch in run.batches)
     print(
-        f"{len(runs)} runs, {count:,} trainings, {work / 3600:.1f} core-hours, longest chain "
+        f"{len(runs)} runs, {trainings:,} trainings, {work / 3600:.1f} core-hours, longest chain "
         f"{chain / 60:.1f} min; it alone keeps {work / chain:.0f} workers busy on average"
     )
     print("workers   hours  of work/workers  of the bound  one of 8 ten times slower  pinned")

@@ -29,6 +29,12 @@ def run(arguments: str) -> str:
             ["bare matrix products", "RoboMoRe"],
             marks=pytest.mark.exhaustive,
         ),
+        ("orchestration.py cost --evaluations 40", ["40 evaluations", "MiB", "the live view"]),
+        pytest.param(
+            "orchestration.py standard --preset smoke",
+            ["1 runs", "longest chain", "1024"],
+            marks=pytest.mark.exhaustive,
+        ),
         ("simulation.py --steps 4", ["ant", "half-cheetah", "hopper", "walker", "swimmer"]),
         pytest.param(
             "learning.py --robots swimmer --seeds 1 --steps 6400 --every 3200 "

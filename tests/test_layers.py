@@ -26,7 +26,7 @@ LAYERS = (
     {"designers", "executors", "training"},
     {"evaluation"},
     {"search"},
-    {"monitor", "runs"},
+    {"monitor", "runs", "trackers"},
     {"audit", "report", "visualize"},
     {"export"},
     {"experiment"},
@@ -48,6 +48,7 @@ APART = {
     "report": {"evaluation", "executors", "sandbox", "search", "training"},
     "visualize": {"evaluation", "executors", "sandbox", "search", "training"},
     "export": {"evaluation", "executors", "sandbox", "search"},
+    "trackers": {"evaluation", "executors", "sandbox", "search", "store", "training"},
     "monitor": {"evaluation", "executors", "sandbox", "search", "store", "training"},
 }
 """What a package does without although it stands below: an LLM knows no tasks, an executor no
@@ -168,10 +169,22 @@ def all_of(package: str) -> str:
         (all_of("report"), ("jax", "jaxlib", "torch")),
         (all_of("runs"), ("jax", "jaxlib", "mujoco", "torch")),
         (all_of("monitor"), HEAVY),
+        (all_of("trackers"), (*HEAVY, "tensorboardX", "wandb")),
         (all_of("tasks"), (*HEAVY, *MODEL_LIBRARIES)),
         ("import robomore.cli", (*HEAVY, *MODEL_LIBRARIES)),
     ],
-    ids=["robomore", "search", "executors", "llm", "report", "runs", "monitor", "tasks", "cli"],
+    ids=[
+        "robomore",
+        "search",
+        "executors",
+        "llm",
+        "report",
+        "runs",
+        "monitor",
+        "trackers",
+        "tasks",
+        "cli",
+    ],
 )
 def test_what_is_loaded(statement: str, unwanted: tuple[str, ...]) -> None:
     too_much = loaded_by(statement) & set(unwanted)

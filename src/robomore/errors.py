@@ -93,5 +93,9 @@ class ExportFailed(RoboMoReError):
     """What was made for export is not what it should be; nothing was written."""
 
 
+class VideoFailed(RoboMoReError):
+    """A video could not be rendered to its end; nothing was written."""
+
+
 class FitnessFailed(RoboMoReError):
     """The fitness of a task raised, or gave a number that is not finite: the task's fault."""

@@ -140,5 +140,15 @@ def one_at_a_time(observe: Observer) -> Observer:
     return tell
 
 
+def both(first: Observer, second: Observer) -> Observer:
+    """Return an observer that tells both."""
+
+    def tell(event: Event) -> None:
+        first(event)
+        second(event)
+
+    return tell
+
+
 def ignore(event: Event) -> None:
     """An observer for when nobody watches."""

@@ -95,13 +95,13 @@ def test_robustness_warns_and_never_fails() -> None:
     subject = restless(short("half-cheetah", 40))
     subject._measured[Variant()] = replace(
         subject.measured(),  # type: ignore[type-var]
-        behaviour={**subject.measured().behaviour, "forward_distance_m": 1000.0},  # type: ignore[union-attr]
+        fitness=1000.0,
     )
     for check in (noise.check, pushes.check, matter.check):
         assert check(subject).outcome == "warns"
     for check in (timestep.check, integrator.check):
         verdict = check(subject)
-        assert verdict.outcome == "fails" and verdict.numbers["base_m"] == 1000.0
+        assert verdict.outcome == "fails" and verdict.numbers["base"] == 1000.0
 
 
 def test_a_robot_that_gets_nowhere_has_nothing_to_lose() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
 import os
 import signal
@@ -74,10 +75,13 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         ("run swimmer --method random --reference-reward in", "no option reference_reward"),
         ("run swimmer --reference-reward maybe", "reference-reward"),
         ("run swimmer --method random --designer offline", "asks no designer"),
-        ("run swimmer --executor ray", "no executor is called 'ray'"),
+        ("run swimmer --executor cloud", "no executor is called 'cloud'"),
         ("run swimmer --budget-steps 100", "larger --budget-steps"),
         ("run swimmer --time-limit soon", "write 90s, 30m or 2h"),
         ("run swimmer --time-limit 0", "write 90s, 30m or 2h"),
+        ("run swimmer --seed 1.5", "--seed is 1.5; give a whole number"),
+        ("play runs --seconds 0.2", "--seconds is 0.2; give a whole number"),
+        ("methods cmeas", "Did you mean 'cmaes'"),
         ("run swimmer --time-limit 5", "no unit; write 5s, 5m or 5h"),
         ("run swimmer --time-limit -5", "--time-limit"),
         ("run swimmer --seed -1", "--seed is -1"),
@@ -249,3 +253,18 @@ def test_words_that_people_did_not_understand_are_gone(robomore_: Command) -> No
     text = " ".join(robomore_(name, "--help").out for name in COMMANDS)
     for words in ("human", "stranger", "body", "bodies", "implied", "under a minute", "fell share"):
         assert words not in text.lower()
+
+
+def test_a_graphics_driver_that_is_missing_is_named(
+    robomore_: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # As PyOpenGL fails when MuJoCo is imported without the library that `MUJOCO_GL` names.
+    (tmp_path / "OpenGL").mkdir()
+    (tmp_path / "OpenGL" / "broken.py").write_text("def find():\n    return None.glGetError\n")
+    monkeypatch.syspath_prepend(tmp_path / "OpenGL")
+    monkeypatch.setenv("MUJOCO_GL", "osmesa")
+    broken = importlib.import_module("broken")
+    monkeypatch.setattr("robomore.cli.methods.methods", lambda: broken.find())
+    said = robomore_("methods")
+    assert said.status == 2 and "MUJOCO_GL=osmesa does not work" in said.err
+    assert "libosmesa6" in said.err and said.err.count("\n") == 1

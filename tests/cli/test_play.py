@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from cli.commands import Command
+from robomore.envs import opengl
+from robomore.rendering import video
 from robomore.runs import load_run
 
 
@@ -25,12 +27,30 @@ def test_play_writes_a_video_where_there_is_no_screen(
     out = tmp_path / "a.webp"
     said = robomore_("play", trained_run / part, "--seconds", "1", "--drawn", "--out", out)
     assert said.status == 0, said.err
-    assert "m forward in 40.0 s" in said.out
+    # What is told is what is shown, and not the whole episode of 40 s.
+    assert "m forward in 1.00 s" in said.out and "drawn without" not in said.err
     from PIL import Image
 
     with Image.open(out) as video:
         assert video.size == (640, 360)
         assert getattr(video, "n_frames", 1) > 10
+
+
+def test_a_video_lies_in_the_runs_folder_and_says_what_opengl_needs(
+    robomore_: Command, trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(opengl, "_works", lambda platform: False)
+    monkeypatch.setattr(video, "_has_ffmpeg", lambda: False)
+    copy = tmp_path / "copy"
+    shutil.copytree(trained_run, copy)
+    said = robomore_("play", copy, "--beside", "--seconds", "1")
+    assert said.status == 0, said.err
+    assert "libosmesa6" in said.err and "Traceback" not in said.err
+    assert said.out.count("m forward in 1.00 s") == 2
+    from PIL import Image
+
+    with Image.open(copy / "copy-champion-beside.webp") as made:
+        assert made.size == (640, 720)
 
 
 def test_play_takes_any_evaluation_and_the_reference(

@@ -13,7 +13,6 @@ import pytest
 import robomore.experiment
 import untrained  # known as an executor once it is imported
 from cli.commands import Command, Said
-from fake_run import finished_run
 from robomore.evaluation.request import Request
 from robomore.runs import load_run
 from robomore.settings import preset
@@ -23,17 +22,18 @@ Asked = Callable[..., dict[str, Any]]
 
 
 @pytest.fixture
-def asked(robomore_: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Asked:
+def asked(
+    robomore_: Command, tmp_path: Path, finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> Asked:
     """Return what `run` asks of the library, for a command line."""
     monkeypatch.chdir(tmp_path)
-    made = finished_run(tmp_path / "made").path
 
     def ask(*words: str) -> dict[str, Any]:
         found: dict[str, Any] = {}
 
         def run(task: Any, settings: Any, **options: Any) -> Any:
             found.update(options, task=task.id, settings=settings)
-            return load_run(made)
+            return load_run(finished)
 
         monkeypatch.setattr(robomore.experiment, "run", run)
         found["said"] = robomore_("run", "swimmer", *words, "--quiet")

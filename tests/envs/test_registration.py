@@ -115,7 +115,7 @@ def test_a_picture_without_opengl_is_one_clear_error(monkeypatch: pytest.MonkeyP
     made.reset(seed=0)
     opengl.ensure_opengl.cache_clear()
     monkeypatch.setattr(opengl, "_works", lambda platform: False)
-    with pytest.raises(InputError, match="no screen, and neither EGL nor OSMesa works"):
+    with pytest.raises(InputError, match="neither EGL nor OSMesa works; apt install libosmesa6"):
         made.render()
     monkeypatch.setenv("MUJOCO_GL", "glfw")
     opengl.ensure_opengl.cache_clear()

@@ -8,8 +8,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import msgspec
+
 from robomore.errors import UnfitWorker
+from robomore.evaluation.request import Answer, Request
 from robomore.executors.carried import carried_folder
+from untrained import made_up
 
 
 def environment(payload: bytes, progress: Callable[[int], None]) -> bytes:
@@ -38,6 +42,8 @@ def once(payload: bytes, progress: Callable[[int], None]) -> bytes:
     if Path(name).exists():
         return b"done"
     Path(name).touch()
+    if what == "slow":
+        time.sleep(300)
     if what == "unfit":
         raise UnfitWorker("it is the first machine")
     os.kill(os.getppid(), signal.SIGKILL)  # Ray's own process on this machine
@@ -50,12 +56,10 @@ def unfit(payload: bytes, progress: Callable[[int], None]) -> bytes:
 
 
 def everything_around(payload: bytes, progress: Callable[[int], None]) -> bytes:
-    """Return the environment of this process and of all that it comes from."""
+    """Return the environment of this process and of all from which it comes, up to a given one."""
     found, process = b"", os.getpid()
-    while process > 1:
+    while process > 1 and process != int(payload):
         found += Path(f"/proc/{process}/environ").read_bytes() + b"\n"
-        if str(process) == payload.decode():
-            break
         process = int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
     return found
 
@@ -67,3 +71,11 @@ def count(payload: bytes, progress: Callable[[int], None]) -> bytes:
     with (folder / "lines").open("a") as file:
         file.write("x")
     return (folder / "lines").read_bytes()
+
+
+def made_up_work(payload: bytes, progress: Callable[[int], None]) -> bytes:
+    """Stand in for `robomore.evaluation.work:work`: the same numbers, and no training."""
+    request = msgspec.json.decode(payload, type=Request)
+    time.sleep(0.3)
+    progress(request.job.steps)
+    return msgspec.json.encode(Answer(made_up(request)))

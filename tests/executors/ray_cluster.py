@@ -6,9 +6,11 @@ import os
 import secrets
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
+
+from robomore.executors.ray_cluster import read_token_again
 
 
 @contextmanager
@@ -19,6 +21,8 @@ def ray_cluster(nodes: int) -> Iterator[Any]:
     # Ray's processes would give way to everything else that this machine does.
     os.environ["RAY_worker_niceness"] = "0"  # noqa: SIM112  # its name
     from ray.cluster_utils import Cluster
+
+    read_token_again()
 
     cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0})
     try:
@@ -31,23 +35,54 @@ def ray_cluster(nodes: int) -> Iterator[Any]:
             os.environ.pop(name, None)
 
 
-def ray_processes() -> list[str]:
+def ray_processes() -> list[int]:
     """Return the Ray processes that come from this one."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/cmdline"):
+    parents, commands = {}, {}
+    for folder in Path("/proc").glob("[0-9]*"):
         try:
-            command = status.read_bytes().replace(b"\0", b" ").decode(errors="replace")
-            line = int((status.parent / "stat").read_text().rpartition(")")[2].split()[1])
-        except (OSError, ValueError):
+            commands[int(folder.name)] = (folder / "cmdline").read_bytes()
+            line = (folder / "stat").read_text().rpartition(")")[2].split()
+        except OSError:
             continue
-        if line == os.getpid() and ("ray::" in command or "/ray/core/src/ray/" in command):
-            found.append(command)
-    return found
+        if line[0] != "Z":
+            parents[int(folder.name)] = int(line[1])
+
+    def ours(process: int) -> bool:
+        return process == os.getpid() or (process in parents and ours(parents[process]))
+
+    return [
+        process
+        for process in parents
+        if ours(process) and (b"ray::" in commands[process] or b"/ray/" in commands[process])
+    ]
 
 
-def until_none_is_left(seconds: float = 30.0) -> list[str]:
+def command(process: int) -> bytes:
+    """Return the program of a process."""
+    return Path(f"/proc/{process}/cmdline").read_bytes().partition(b"\0")[0]
+
+
+def until_none_is_left(seconds: float = 30.0) -> list[int]:
     """Wait until there is no Ray process of ours; return those that stay."""
     deadline = time.monotonic() + seconds
     while (left := ray_processes()) and time.monotonic() < deadline:
         time.sleep(0.1)
     return left
+
+
+def memory_holds(process: int, text: bytes) -> bool:
+    """Return whether a process has a text in its own memory (not that of the object store)."""
+    try:
+        maps = Path(f"/proc/{process}/maps").read_text().splitlines()
+        with Path(f"/proc/{process}/mem").open("rb") as memory:
+            for line in maps:
+                area, mode, *rest = line.split()
+                begin, end = (int(one, 16) for one in area.split("-"))
+                if mode.startswith("rw") and end - begin < 2**28 and "/dev/shm" not in rest[-1]:
+                    memory.seek(begin)
+                    with suppress(OSError):
+                        if text in memory.read(end - begin):
+                            return True
+    except OSError:
+        return False
+    return False

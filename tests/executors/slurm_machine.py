@@ -62,7 +62,10 @@ def slurm(folder: Path) -> Iterator[dict[str, str]]:
         _until(lambda: _is_idle(environment), folder)
         yield environment
     finally:
-        subprocess.run(["scancel", "--user=root", "--full"], env=environment, timeout=30)
+        # Without its daemons a job could not end.
+        subprocess.run(["scancel", "--user=root", "--full"], env=environment, timeout=60)
+        with suppress(AssertionError):
+            _until(lambda: not _said(environment, "squeue", "-h"), folder, seconds=100.0)
         for process in reversed(started):
             with suppress(ProcessLookupError):
                 process.terminate()
@@ -74,10 +77,12 @@ def slurm(folder: Path) -> Iterator[dict[str, str]]:
 
 
 def _is_idle(environment: dict[str, str]) -> bool:
-    said = subprocess.run(
-        ["sinfo", "-h", "-o", "%t"], env=environment, capture_output=True, text=True, timeout=60
-    )
-    return said.stdout.strip() == "idle"
+    return _said(environment, "sinfo", "-h", "-o", "%t") == "idle"
+
+
+def _said(environment: dict[str, str], *command: str) -> str:
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+    return done.stdout.strip()
 
 
 def _until(condition: object, folder: Path, seconds: float = 60.0) -> None:

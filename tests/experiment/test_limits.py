@@ -36,7 +36,7 @@ def test_no_design_of_a_search_is_larger_than_the_limit(method: str, tmp_path: P
 
 def test_a_method_that_has_only_the_reference_says_that_it_is_too_large(tmp_path: Path) -> None:
     settings = with_options(preset("smoke"), method="reference", max_volume=HALF)
-    with pytest.raises(NothingTrained, match=r"a volume of 0\.1068 m\^3 is above the limit"):
+    with pytest.raises(NothingTrained, match=r"a volume of 0\.1068 m³ is above the limit"):
         run("swimmer", settings, executor="untrained", out=tmp_path / "run")
 
 
@@ -45,7 +45,7 @@ def test_density_is_known_with_and_without_compiling() -> None:
     facts = body_facts(cheetah, cheetah.reference)
     settings = replace(SMOKE, max_volume=None, max_density=0.9 * facts["density"])
     searched = limited(cheetah, settings)
-    with pytest.raises(InvalidMorphology, match=r"a density of 660\.9 kg/m\^3 is above the limit"):
+    with pytest.raises(InvalidMorphology, match=r"a density of 660\.9 kg/m³ is above the limit"):
         searched.check(cheetah.reference)
     thicker = {**cheetah.named(cheetah.reference), "torso_radius": 0.1}
     assert searched.check(thicker)
@@ -67,7 +67,7 @@ def test_density_is_known_with_and_without_compiling() -> None:
 def test_limits_that_nothing_keeps_and_jumps_that_transport_nothing_are_refused(
     tmp_path: Path,
 ) -> None:
-    with pytest.raises(InputError, match=r"limits: the volume .* 1e-07 m\^3; give larger"):
+    with pytest.raises(InputError, match=r"limits: the volume .* 1e-07 m³; give larger"):
         run("swimmer", with_options(SMOKE, max_volume=1e-7), out=tmp_path / "a")
     with pytest.raises(InputError, match="transports nothing"):
         run("ant-jump", with_options(SMOKE, objective="transport-economy"), out=tmp_path / "b")

@@ -9,10 +9,12 @@ import mujoco
 import numpy as np
 import pytest
 import yourdfpy
+from PIL import Image
 
 from robomore.envs.compile import compile_model
 from robomore.errors import ExportFailed
-from robomore.export.mjcf import refuse_other_model, standalone_mjcf
+from robomore.export.mjcf import _filled, refuse_other_model, standalone_mjcf
+from robomore.export.stl import stl_bytes
 from robomore.export.urdf import MESHES, roll_pitch_yaw, write_urdf
 from robomore.tasks import TASKS, get_task
 
@@ -55,6 +57,28 @@ def test_plain_mujoco_loads_the_robot_on_its_ground(task: str) -> None:
     np.testing.assert_allclose(*ground, atol=1e-6)
 
 
+def test_a_mesh_is_written_into_the_text() -> None:
+    corners = np.array([[0, 0, 0], [0.2, 0, 0], [0, 0.1, 0], [0, 0, 0.3]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    text = (
+        '<mujoco><compiler angle="radian"/><asset><mesh name="a" file="a.stl" scale="2 1 1"/>'
+        '<texture name="t" type="2d" file="t.png"/><material name="m" texture="t"/></asset>'
+        '<worldbody><body><freejoint/><geom type="mesh" mesh="a" material="m" pos="1 0 0"/></body>'
+        "</worldbody></mujoco>"
+    )
+    assets = {"a.stl": stl_bytes(corners, faces), "t.png": _png()}
+    model = mujoco.MjSpec.from_string(text, assets=assets).compile()
+    filled = _filled(text, model)
+    assert "file" not in filled
+    refuse_other_model(filled, model)
+
+
+def _png() -> bytes:
+    file = io.BytesIO()
+    Image.new("RGB", (2, 2)).save(file, "PNG")
+    return file.getvalue()
+
+
 def test_another_model_is_refused() -> None:
     ant, powered = get_task("ant"), get_task("ant-powered")
     with pytest.raises(ExportFailed, match="actuator_gear differs"):
@@ -76,7 +100,8 @@ def test_other_shapes_and_joints_become_urdf_too(tmp_path: Path) -> None:
     robot = check(model, tmp_path)
     assert {"tip__x", "tip__y", "tip__z"} <= set(robot.joint_map)
     swing, lift = robot.joint_map["swing"], robot.joint_map["lift"]
-    assert swing.limit.effort == 14 and lift.limit.effort == 5 and swing.dynamics.damping == 0.5
+    assert (swing.limit.effort, lift.limit.effort) == (14, 5)
+    assert float(swing.dynamics.damping) == 0.5
     # Zero is the pose in which the model was written down, at 10 degrees.
     assert np.allclose(np.degrees([swing.limit.lower, swing.limit.upper]), [-40, 50])
     meshes = sorted(path.name for path in (tmp_path / MESHES).iterdir())

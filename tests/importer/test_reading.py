@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.importer.dog import DOG, write_arm, write_dog
 
+from dog import DOG, write_arm, write_dog
 from robomore.errors import InputError
 from robomore.importer.limbs import find_links, groups, kind
 from robomore.importer.reading import read_robot

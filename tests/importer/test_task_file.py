@@ -6,8 +6,8 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from tests.importer.dog import DOG, write_arm, write_dog
 
+from dog import DOG, write_arm, write_dog
 from robomore.envs.source import environment_source
 from robomore.errors import InputError
 from robomore.importer.proposal import write_proposal

@@ -7,8 +7,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from tests.importer.dog import write_arm, write_dog
 
+from dog import write_arm, write_dog
 from robomore.envs.compile import model_volume
 from robomore.importer.amounts import Amount, texts
 from robomore.importer.edits import MASS_MODES, Edit, MassMode

@@ -25,6 +25,10 @@ def test_an_episode_ends_when_the_robot_falls() -> None:
     assert seen.seconds == (len(seen.poses) - 1) * seen.dt
     assert seen.distance == seen.poses[-1, 0] - seen.poses[0, 0]
     assert seen.height >= seen.poses[0, 1]
+    start = seen.first(10 * seen.dt)
+    assert len(start.poses) == 11 and start.seconds == 10 * seen.dt and not start.fell
+    assert start.distance == seen.poses[10, 0] - seen.poses[0, 0]
+    assert seen.first(1e3) is seen
 
 
 def test_an_episode_ends_when_its_time_is_up() -> None:

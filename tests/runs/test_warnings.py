@@ -22,7 +22,7 @@ def test_a_champion_that_only_shrank_uses_less_material(tmp_path: Path) -> None:
     finished_run(tmp_path)
     found = said(tmp_path)
     assert "uses less material, but it does not do better" in found
-    assert "13.00 m against 21.00 m" in found
+    assert "13.00 against 21.00 m" in found
     assert "lighter" not in found
 
 

@@ -65,7 +65,7 @@ def test_a_designer_s_first_places_are_given_ones_and_the_rest_its_own() -> None
 def test_every_method_says_what_it_starts_from() -> None:
     takes = {name: getattr(method, "starts_from", ()) for name, method in METHODS.items()}
     both, one = ("morphology", "reward"), ("morphology",)
-    assert takes == {
+    assert {name: kinds for name, kinds in takes.items() if name != "given"} == {
         "robomore": both,
         "eureka": ("reward",),
         "eureka-morphology": one,

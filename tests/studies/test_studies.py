@@ -14,14 +14,21 @@ import pytest
 import untrained  # noqa: F401  # makes its executor known
 from robomore.errors import InputError, NothingTrained
 from robomore.events import ignore
+from robomore.rewards.check import check_reward
 from robomore.runs import load_run
 from robomore.search import METHODS
 from robomore.studies import STUDIES, Results, Study, Table, run_study
 from robomore.studies.execute import cells_of
 from robomore.studies.presets import SCALES, scale
+from robomore.studies.remeasured import incumbents, remeasure
+from robomore.studies.scores import _curve
 from robomore.studies.study import Cell
+from robomore.tasks import get_task
+from robomore.tasks.registry import PAPER_TASKS
 
 SOME = ("robomore", "slim-reference", "random")
+WITH_TASKS = ("motivation", "robustness-gear", "robustness-terrain")
+"""Studies that are about tasks of their own."""
 OTHERS = ("ablation", "coarse-to-fine", "diversity", "heatmaps", "transfer")
 
 
@@ -121,12 +128,73 @@ def test_every_study_tells_of_its_arms(name: str, compared: tuple[Path, Results]
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("name", ["comparison", *OTHERS])
+@pytest.mark.parametrize("name", ["comparison", *OTHERS, *WITH_TASKS])
 def test_every_study_runs_at_its_smoke_preset(name: str, tmp_path: Path) -> None:
     study = STUDIES.get(name)
-    cells = cells_of(study, ["swimmer"], scale("smoke"), 2)
+    tasks = [] if name in WITH_TASKS else ["swimmer"]
+    cells = cells_of(study, tasks, scale("smoke"), 2)
     results = run_study(study, cells, tmp_path, executor="untrained")
     assert len(results.cells) == len(cells)
+
+
+def test_a_design_found_in_one_task_is_trained_in_the_others(tmp_path: Path) -> None:
+    study = STUDIES.get("robustness-terrain")
+    first, *others = cells_of(study, ["ant-snow"], scale("smoke"), 1)
+    assert first.task == "ant-desert" and first.retrains is None
+    assert [cell.retrains for cell in others] == [first]
+    results = run_study(study, [first, *others], tmp_path, executor="untrained")
+    searched, snow = results.runs()
+    assert searched.found is not None and snow.found is not None
+    assert snow.found.design.morphology.parameters == searched.found.design.morphology.parameters
+    assert snow.found.design.reward.source == searched.found.design.reward.source
+    assert snow.manifest.settings.method.name == "given" and len(snow.searched) == 1
+    (told,) = study.tables(results)
+    assert [row[0] for row in told.rows] == ["Ant-Desert", "Ant-Snow"]
+    assert told.rows[1][1] == snow.found.efficiency.mean  # type: ignore[union-attr]
+    for draw in study.figures(results).values():
+        assert draw(None).figure is not None
+    # The same command finishes what is missing, and repeats nothing.
+    begun = (tmp_path / others[0].folder / "ledger.sqlite").stat().st_mtime_ns
+    run_study(study, [first, *others], tmp_path, executor="untrained")
+    assert (tmp_path / others[0].folder / "ledger.sqlite").stat().st_mtime_ns == begun
+    with pytest.raises(InputError, match="leave its arm in the study"):
+        run_study(study, others, tmp_path, executor="untrained")
+
+
+def test_the_motivation_tells_its_four_cases(tmp_path: Path) -> None:
+    study = STUDIES.get("motivation")
+    cells = cells_of(study, [], scale("smoke"), 1)[:1]
+    results = run_study(study, cells, tmp_path, executor="untrained")
+    (told,) = study.tables(results)
+    assert told.rows[0][0] == "short-rolling" and told.rows[0][4] == 108.83
+    assert "rolling" in results.runs()[0].found.design.reward.source  # type: ignore[union-attr]
+    # The paper's own volumes: fitness / efficiency.
+    task = get_task("ant")
+    for arm, legs in zip(study.arms[1:3], (37.39 / 109.50, 59.94 / 1457.65), strict=True):
+        volume = task.volume(arm.options["method_options"]["parameters"])
+        assert volume == pytest.approx(legs, rel=0.11)
+        assert not check_reward(arm.options["method_options"]["reward"])
+
+
+def test_the_best_so_far_is_measured_again(
+    trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = load_run(trained_run)
+    expected = {point.record.evaluation.key for point in incumbents(run)}
+    again = remeasure([run], tmp_path)
+    assert set(again) == expected
+    first = incumbents(run)[0].record.evaluation
+    assert again[first.key] != first.efficiency
+    assert again[first.key] == pytest.approx(first.efficiency, abs=abs(first.efficiency))
+    monkeypatch.setattr("robomore.studies.remeasured.measure", None)
+    assert remeasure([run], tmp_path) == again, "what is known is read"
+    cell = replace(some()[1][0], settings=run.manifest.settings)
+    results = Results(((cell, run),), again)
+    (_, best), *_ = _curve(results, "swimmer", cell.arm.name)
+    assert best == again[first.key]
+    (tmp_path / "remeasured.json").write_text("[")
+    with pytest.raises(InputError, match="cannot be read"):
+        remeasure([run], tmp_path)
 
 
 def test_a_run_that_found_nothing_is_left_out_and_counted(
@@ -163,7 +231,7 @@ def test_all_arms_of_a_study_have_one_budget_and_a_folder_each() -> None:
             cells = cells_of(study, ["swimmer"], scale(name), 1)
             assert len({cell.budget_steps for cell in cells}) == 1
             assert len({cell.folder for cell in cells}) == len(cells)
-            assert len({json.dumps(cell.arm.options) for cell in cells}) == len(cells)
+            assert len({(c.task, json.dumps(c.arm.options)) for c in cells}) == len(cells)
 
 
 def test_an_arm_that_changes_nothing_is_left_out() -> None:
@@ -181,3 +249,20 @@ def test_what_cannot_be_studied_is_refused() -> None:
         scale("fast")
     with pytest.raises(InputError, match="no study"):
         STUDIES.get("comparsion")
+
+
+def test_the_costs_of_the_paper_are_told_as_they_are() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "reproduce.md").read_text()
+    for name in STUDIES:
+        study, told = STUDIES.get(name), [f"`{name}`"]
+        tasks = [] if name in WITH_TASKS else [task.id for task in PAPER_TASKS]
+        for size in (scale("quick"), scale("standard")):
+            cells, steps = cells_of(study, tasks, size, size.seeds), 0
+            for cell in cells:
+                last, one = cell.settings.final, cell.settings.candidate.steps
+                only = cell.retrains or cell.settings.method.name in ("given", "reference")
+                steps += one if only else cell.budget_steps
+                steps += (last.finalists + 3) * last.seeds * last.steps
+            told += [f"{len(cells):,}", f"{steps:,}"]
+        assert f"| {' | '.join(told)} |" in page
+        assert f"robomore study {name} " in page

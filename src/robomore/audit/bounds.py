@@ -8,8 +8,12 @@ from robomore.store.audit import Verdict
 
 
 def check(subject: Subject) -> Verdict:
-    """Name the parameters that stand at a bound."""
-    found = at_bounds(subject.task, subject.parameters)
+    """Name the parameters that stand at a bound, but for those where the reference stands there."""
+    own = dict(zip(subject.task.names, subject.parameters, strict=True))
+    reference = dict(zip(subject.task.names, subject.task.reference, strict=True))
+    found = [
+        name for name in at_bounds(subject.task, subject.parameters) if own[name] != reference[name]
+    ]
     count = len(subject.task.parameters)
     said = f"{len(found)} of {count} parameters stand at a bound"
     if found:

@@ -9,7 +9,7 @@ from robomore.runs.words import number
 from robomore.store.audit import Outcome, Verdict
 
 OSMIUM = 22_590.0
-"""In kg/m^3: nothing on earth is denser."""
+"""In kg/m³: nothing on earth is denser."""
 
 
 def check(subject: Subject) -> Verdict:
@@ -35,7 +35,7 @@ def equal_density(subject: Subject) -> dict[str, float]:
     """Return what the robot does with the reference design's density and the same policy.
 
     Returns:
-        `density` kg/m^3 and `mass` kg; `fitness` m and `efficiency` m/m^3 if the physics is stable.
+        `density` kg/m³ and `mass` kg; `fitness` m and `efficiency` m/m³ if the physics is stable.
     """
     facts, density = subject.facts, subject.reference_facts["density"]
     factor = density / facts["density"]

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 from robomore.audit.subject import Subject
 from robomore.audit.variant import Variant
-from robomore.runs.words import number
+from robomore.runs.words import in_unit
 from robomore.store.audit import Outcome, Verdict
 
 LEAST_WORTH = 0.1
-"""Metres below which a robot gets nowhere, and has nothing to lose."""
+"""Fitness below which a robot gets nowhere, and has nothing to lose: in metres, for most tasks."""
 
 
 def retained(
@@ -32,29 +32,33 @@ def retained(
     """
     base = subject.worth()
     if base is None or base < LEAST_WORTH:
-        said = "the physics diverges" if base is None else f"it gets {number(base)} m"
+        said = (
+            "the physics diverges"
+            if base is None
+            else f"it gets {in_unit(base, 'fitness', subject.unit)}"
+        )
         return Verdict(check, "skipped", f"There is nothing to lose: {said} as it is.")
     left = {name: subject.worth(variant) for name, variant in variants.items()}
-    told = ", ".join(f"{name} {_words(worth, base)}" for name, worth in left.items())
+    told = ", ".join(f"{name} {_words(worth, base, subject.unit)}" for name, worth in left.items())
     least = min(0.0 if worth is None else max(0.0, worth / base) for worth in left.values())
     outcome: Outcome = "passes"
     if least < fails_below:
         outcome = "fails"
     elif least < warns_below:
         outcome = "warns"
-    numbers = {f"{_name(name)}_m": worth for name, worth in left.items() if worth is not None}
+    numbers = {_name(name): worth for name, worth in left.items() if worth is not None}
     return Verdict(
         check,
         outcome,
-        f"{number(base)} m as it is; {told}.",
-        {"base_m": base, **numbers, "least_left": least},
+        f"{in_unit(base, 'fitness', subject.unit)} as it is; {told}.",
+        {"base": base, **numbers, "least_left": least},
     )
 
 
-def _words(worth: float | None, base: float) -> str:
+def _words(worth: float | None, base: float, unit: str) -> str:
     if worth is None:
         return "lets the physics diverge"
-    return f"leaves {number(worth)} m ({100 * worth / base:.0f} %)"
+    return f"leaves {in_unit(worth, 'fitness', unit)} ({100 * worth / base:.0f} %)"
 
 
 def _name(words: str) -> str:

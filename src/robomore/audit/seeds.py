@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robomore.audit.subject import Subject
-from robomore.runs.words import number
+from robomore.runs.words import in_unit, number
 from robomore.store.audit import Outcome, Verdict
 
 FAILS_BELOW, WARNS_BELOW = 0.5, 0.8
@@ -20,15 +20,21 @@ def check(subject: Subject) -> Verdict:
         return Verdict(name, "fails", "In episodes with other seeds the physics diverges.")
     low, high = min(found.episode_fitness), max(found.episode_fitness)
     said = (
-        f"{number(found.fitness)} m in {len(found.episode_fitness)} other episodes "
-        f"({number(low)} to {number(high)} m)"
+        f"{_told(found.fitness, subject)} in {len(found.episode_fitness)} other episodes "
+        f"({number(low)} to {_told(high, subject)})"
     )
-    numbers = {"fitness_m": found.fitness, "lowest_m": low, "highest_m": high}
+    numbers = {"fitness": found.fitness, "lowest": low, "highest": high}
     if subject.reported is None:
         return Verdict(name, "passes", f"{said}; the run tells no number.", numbers)
-    numbers["reported_m"] = subject.reported
+    numbers["reported"] = subject.reported
     share = found.fitness / subject.reported if subject.reported > 0 else 1.0
     outcome: Outcome = (
         "fails" if share < FAILS_BELOW else "warns" if share < WARNS_BELOW else "passes"
     )
-    return Verdict(name, outcome, f"{said}; the run tells {number(subject.reported)} m.", numbers)
+    return Verdict(
+        name, outcome, f"{said}; the run tells {_told(subject.reported, subject)}.", numbers
+    )
+
+
+def _told(value: float, subject: Subject) -> str:
+    return in_unit(value, "fitness", subject.unit)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robomore.audit.inspection import Inspection, inspect
 from robomore.audit.variant import PLAIN, NoisyPolicy, Variant, VariedEnv, WatchedPolicy
 from robomore.envs.compile import body_facts
-from robomore.errors import TrainingDiverged, UnstableSimulation
+from robomore.errors import FitnessFailed, TrainingDiverged, UnstableSimulation
 from robomore.evaluation.measure import FinitePolicy, Measurement, measure_in
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
@@ -31,7 +31,7 @@ class Subject:
         task: what it was trained for.
         parameters: of the morphology, in the task's order.
         policy: that was kept.
-        reported: fitness that the run tells, in m; `None` where none is told.
+        reported: fitness that the run tells; `None` where none is told.
         seed: of the audit's episodes, which no measurement of a run uses.
         episodes: of each measurement.
     """
@@ -53,7 +53,7 @@ class Subject:
         return [derive_seed(self.seed, "audit", index) for index in range(self.episodes)]
 
     def measured(self, variant: Variant = PLAIN) -> Measurement | None:
-        """Return what the policy is worth under `variant`; `None` where the physics diverges."""
+        """Return what the policy is worth under `variant`; `None` where it cannot be measured."""
         if variant not in self._measured:
             if variant != PLAIN:
                 self.measured()  # says how far observations spread
@@ -61,7 +61,7 @@ class Subject:
         return self._measured[variant]
 
     def worth(self, variant: Variant = PLAIN) -> float | None:
-        """Return how far, or how high above its rest, the robot gets, in m; `None` as above.
+        """Return the fitness; of a jump the height above its rest; `None` as above.
 
         The fitness of a jumping task counts the height that the robot has at rest. A check that
         asks how much is lost must not.
@@ -69,15 +69,20 @@ class Subject:
         found = self.measured(variant)
         if found is None:
             return None
-        measure = "height_gain_m" if self.task.fitness == "height" else "forward_distance_m"
-        return found.behaviour[measure]
+        jumps = self.task.goal.name == "height"
+        return found.behaviour["height_gain_m"] if jumps else found.fitness
+
+    @property
+    def unit(self) -> str:
+        """Unit of what the robot is worth."""
+        return self.task.goal.unit
 
     @cached_property
     def inspection(self) -> Inspection | None:
         """What was seen inside the simulation as it is; `None` where the physics diverges."""
         try:
             return inspect(self.task, self.parameters, self._finite, self.seeds[:_INSPECTED])
-        except (TrainingDiverged, UnstableSimulation):
+        except (FitnessFailed, TrainingDiverged, UnstableSimulation):
             return None
 
     @property
@@ -112,5 +117,5 @@ class Subject:
                 noisy = NoisyPolicy(self._finite, variant, spread, self.seed)
                 return measure_in(env, self.task, noisy, self.seeds)
             return measure_in(env, self.task, self._finite, self.seeds)
-        except (TrainingDiverged, UnstableSimulation):
+        except (FitnessFailed, TrainingDiverged, UnstableSimulation):
             return None

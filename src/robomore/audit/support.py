@@ -28,9 +28,10 @@ def check(subject: Subject) -> Verdict:
         f"{part} {100 * carried:.0f} %"
         for part, carried in sorted(seen.support.items(), key=lambda one: -one[1])[:4]
     )
+    verb = "carry" if len(parts) > 1 else "carries"
     return Verdict(
         name,
         "warns" if share > WARNS_ABOVE else "passes",
-        f"{' and '.join(parts)} carry {100 * share:.0f} % of the ground's force (most: {said}).",
+        f"{' and '.join(parts)} {verb} {100 * share:.0f} % of the ground's force (most: {said}).",
         {"torso_share": share},
     )

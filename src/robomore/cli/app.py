@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import sys
 import traceback
@@ -133,6 +134,10 @@ def _ending(error: BaseException, given: Sequence[str]) -> tuple[str, int]:
                 "environment (pip install . in its folder), which installs what it needs",
                 FAILED,
             )
+    if _is_from_opengl(error):
+        from robomore.envs.opengl import why_none
+
+        return f"no OpenGL: {why_none()}", MISUSED
     return (
         f"a fault of RoboMoRe itself: {type(error).__name__}: {_one_line(error)}; "
         "run it again with --debug to see where",
@@ -149,6 +154,12 @@ def _is_interrupted(error: BaseException | None) -> bool:
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None
+
+
+def _is_from_opengl(error: BaseException) -> bool:
+    """Return whether a driver that is asked for by name is behind an error, at import even."""
+    files = [frame.filename for frame in traceback.extract_tb(error.__traceback__)]
+    return "MUJOCO_GL" in os.environ and any("/OpenGL/" in file for file in files)
 
 
 def _one_line(error: BaseException) -> str:

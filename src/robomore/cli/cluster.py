@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from robomore.cli.inputs import positive, read_bytes, read_duration
 from robomore.cli.output import tell, write
+from robomore.cli.whole import Whole
 from robomore.errors import InputError
 
 
@@ -16,9 +17,9 @@ def cluster(
     kind: Literal["slurm"],
     /,
     *command: Annotated[str, Parameter(allow_leading_hyphen=True)],
-    nodes: int,
+    nodes: Whole,
     time: str,
-    cores_per_node: int | None = None,
+    cores_per_node: Whole | None = None,
     memory_per_node: str | None = None,
     partition: str = "",
     account: str = "",

@@ -19,6 +19,7 @@ from robomore.cli.inputs import (
     seed_number,
 )
 from robomore.cli.output import console, write, write_json
+from robomore.cli.whole import Whole
 
 if TYPE_CHECKING:
     from robomore.tasks.fitness import Fitness
@@ -32,10 +33,10 @@ def evaluate(
     parameters: str = "reference",
     reward: str = "reference",
     preset: str = "quick",
-    steps: int | None = None,
+    steps: Whole | None = None,
     trainer: str | None = None,
     trainer_option: Annotated[list[str] | None, Parameter(negative="")] = None,
-    seed: int = 0,
+    seed: Whole = 0,
     out: Path | None = None,
     containment: Literal["strict", "relaxed"] | None = None,
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,

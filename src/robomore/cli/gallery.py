@@ -45,7 +45,7 @@ def show_gallery(folder: Path, as_json: bool) -> None:
     from rich.table import Table
 
     from robomore.runs.gallery import load_gallery
-    from robomore.runs.words import number
+    from robomore.runs.words import in_unit, number
 
     entries = load_gallery(folder)
     if as_json:
@@ -54,15 +54,15 @@ def show_gallery(folder: Path, as_json: bool) -> None:
     table = Table(box=None, pad_edge=False)
     table.add_column("champion")
     table.add_column("task")
-    for heading in ("efficiency m/m³", "fitness m", "volume m³", "over reference", "equal density"):
+    for heading in ("efficiency", "fitness", "volume m³", "over reference", "equal density"):
         table.add_column(heading, justify="right")
     table.add_column("audit")
     for one in entries:
         table.add_row(
             one.folder.name,
             one.task.title,
-            number(one.efficiency),
-            number(one.fitness),
+            in_unit(one.efficiency, "efficiency", one.task.goal.unit),
+            in_unit(one.fitness, "fitness", one.task.goal.unit),
             number(one.facts.volume),
             number(_over_reference(one), 3),
             number(one.audit.equal_density.get("efficiency")) if one.audit else "-",
@@ -77,7 +77,7 @@ def show_entry(folder: Path, as_json: bool) -> None:
 
     from robomore.cli.audit import print_audit
     from robomore.runs.gallery import load_entry
-    from robomore.runs.words import number
+    from robomore.runs.words import in_unit, number
 
     one = load_entry(folder)
     if as_json:
@@ -96,9 +96,10 @@ def show_entry(folder: Path, as_json: bool) -> None:
     table = Table(box=None, pad_edge=False, show_header=False)
     table.add_column()
     table.add_column(justify="right")
-    table.add_row("efficiency m/m³", number(one.efficiency))
+    unit = one.task.goal.unit
+    table.add_row("efficiency", in_unit(one.efficiency, "efficiency", unit))
     table.add_row("over the reference design", number(_over_reference(one), 3))
-    table.add_row("fitness m", number(one.fitness))
+    table.add_row("fitness", in_unit(one.fitness, "fitness", unit))
     table.add_row("volume m³", number(one.facts.volume))
     for parameter in one.task.parameters:
         value = number(one.facts.parameters[parameter.name])

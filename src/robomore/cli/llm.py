@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import App, Group, Parameter
 
 from robomore.cli.output import write
+from robomore.cli.whole import Whole
 from robomore.errors import InputError, ModelUnavailable
 
 if TYPE_CHECKING:
@@ -70,18 +71,18 @@ class ModelOptions:
     model: str = ""
     base_url: str | None = None
     price: str | None = None
-    max_requests: int | None = None
-    max_tokens: int | None = None
+    max_requests: Whole | None = None
+    max_tokens: Whole | None = None
     max_cost: float | None = None
-    parallel: int = 4
+    parallel: Whole = 4
     diversity: bool = True
-    repairs: int = 3
-    history_tokens: int = 4000
+    repairs: Whole = 3
+    history_tokens: Whole = 4000
     history_rule: str = "best+worst+different+failed"
     vision: Annotated[bool, Parameter(negative="")] = False
     temperature: float | None = None
     effort: Literal["minimal", "low", "medium", "high"] | None = None
-    max_output_tokens: int | None = None
+    max_output_tokens: Whole | None = None
 
 
 @Parameter(name="*", group=Group("Replay", sort_key=6))

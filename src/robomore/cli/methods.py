@@ -32,17 +32,22 @@ class Option:
     meaning: str
 
 
-def methods(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False) -> None:
+def methods(
+    *names: str, as_json: Annotated[bool, Parameter("--json", negative="")] = False
+) -> None:
     """List the search methods with their options.
 
     Parameters
     ----------
+    names
+        Names of methods; all by default.
     as_json
         Print JSON.
     """
     from robomore.search import METHODS
 
-    found = [(name, method, options_of(method.Settings)) for name, method in METHODS.items()]
+    chosen = [(name, METHODS.get(name)) for name in names] if names else METHODS.items()
+    found = [(name, method, options_of(method.Settings)) for name, method in chosen]
     if as_json:
         write_json(
             [

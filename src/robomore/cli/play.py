@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from robomore.cli.inputs import positive, seed_number
-from robomore.cli.output import tell, write
+from robomore.cli.output import console, tell, write
+from robomore.cli.whole import Whole
 
 
 def play(
@@ -21,8 +24,8 @@ def play(
     reference: Annotated[bool, Parameter(negative="")] = False,
     beside: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
-    seconds: int = 15,
-    seed: int = 0,
+    seconds: Whole = 15,
+    seed: Whole = 0,
     drawn: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Watch a champion, or any other design of a run, move.
@@ -37,13 +40,14 @@ def play(
     reference
         Play the reference design of the run's final instead of the champion.
     beside
-        Show the reference design below it, both at one clock. This is always a video.
+        Show the reference design below it, both at one clock and one scale. This is always a
+        video.
     out
         Write a video into this file (.mp4 needs imageio-ffmpeg; .webp and .gif work anywhere)
         instead of opening a window. Where no window can be opened, a video is written into the
         folder of the run or of the design.
     seconds
-        Length of the video at most.
+        Length of the video at most; the distance that is told is that of these seconds.
     seed
         Seed of the episode's start.
     drawn
@@ -58,20 +62,41 @@ def play(
         refuse_format(out)
     policies = find_policies(design, evaluation, reference, beside)
     recordings = [policy.recorded(seed) for policy in policies]
-    said = "\n".join(described(recording) for recording in recordings)
     if out is None and not drawn and not beside and _has_screen():
         from robomore.rendering.window import show_in_window
 
-        write(f"{said}; close the window to end\n")
+        write(f"{described(recordings[0])}; close the window to end\n")
         sys.stdout.flush()
         if show_in_window(recordings[0]):
             return
         tell("no window could be opened; writing a video instead\n")
-    path = out or default_path(policies[0].folder, policies[0].name)
+    name = policies[0].name + ("-beside" if beside else "")
+    path = out or default_path(policies[0].folder, name)
     refuse_format(path)
     tell(f"writing {path} …\n")
-    write_video(recordings, path, seconds, drawn)
-    write(f"{said}\nvideo: {path}\n")
+    shown = [recording.first(seconds) for recording in recordings]
+    with _progress() as progress:
+        why_drawn = write_video(shown, path, seconds, drawn, progress)
+    if why_drawn and not drawn:
+        tell(f"drawn without OpenGL, because {why_drawn}\n")
+    for one in shown:
+        write(f"{described(one)}\n")
+    write(f"video: {path}\n")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """Show a bar in a terminal, and nothing elsewhere."""
+    from rich.progress import Progress
+
+    screen = console(stderr=True)
+    with Progress(console=screen, transient=True, disable=not screen.is_terminal) as bar:
+        task = bar.add_task("frames", total=None)
+
+        def progress(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+
+        yield progress
 
 
 def _has_screen() -> bool:

@@ -12,6 +12,7 @@ from cyclopts import Parameter
 
 from robomore.cli.output import write, write_json
 from robomore.cli.run_options import DEFAULT_PRESET
+from robomore.cli.whole import Whole
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def prompt(
     *,
     source: Annotated[Path | None, Parameter("--from")] = None,
     objective: Literal["efficiency", "fitness", "transport-economy"] | None = None,
-    history_tokens: int | None = None,
+    history_tokens: Whole | None = None,
     history_rule: str | None = None,
     hint: str = "",
     as_json: Annotated[bool, Parameter("--json", negative="")] = False,

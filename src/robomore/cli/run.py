@@ -10,6 +10,7 @@ from robomore.cli.inputs import read_start, seed_number
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen, forecast
 from robomore.cli.output import tell, write, write_json
 from robomore.cli.run_options import Final, Machine, Search, Training, settings_of
+from robomore.cli.whole import Whole
 
 if TYPE_CHECKING:
     from robomore.designers import LanguageModel, Replay
@@ -21,7 +22,7 @@ def run(
     task: str,
     /,
     *,
-    seed: int = 0,
+    seed: Whole = 0,
     search: Search | None = None,
     training: Training | None = None,
     final: Final | None = None,
@@ -30,6 +31,7 @@ def run(
     model: ModelOptions | None = None,
     replay: ReplayOptions | None = None,
     machine: Machine | None = None,
+    tracker: Annotated[list[str] | None, Parameter(negative="", group=_OUTPUT)] = None,
     quiet: Annotated[bool, Parameter(negative="", group=_OUTPUT)] = False,
     as_json: Annotated[bool, Parameter("--json", negative="", group=_OUTPUT)] = False,
 ) -> None:
@@ -46,6 +48,9 @@ def run(
     designer
         Who proposes morphologies and rewards: `offline` (no language model; the default), `llm`
         (with `--model`) or `replay` (with `--from`). Some methods ask no designer.
+    tracker
+        Tell a tracker the numbers as they come: `tensorboard`, `wandb` or `trackio`. May be given
+        several times.
     hint
         Your remark for a language model. While the run goes on, the file `hint.txt` in its folder
         holds more: what it says is added to the next requests.
@@ -89,6 +94,7 @@ def run(
             time_limit=search.seconds,
             containment=machine.containment,
             observe=observe,
+            trackers=tracker or (),
             name=settings_name(search.preset, settings),
             start_from=[read_start(wanted, one) for one in search.start_from or ()],
             hint=hint,

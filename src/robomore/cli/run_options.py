@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Group, Parameter
 
 from robomore.cli.inputs import positive, read_bytes, read_duration, read_options
+from robomore.cli.whole import Whole
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -68,8 +69,8 @@ class Search:
     objective: Literal["efficiency", "fitness", "transport-economy"] | None = None
     max_volume: float | None = None
     max_density: float | None = None
-    evaluations: int | None = None
-    budget_steps: int | None = None
+    evaluations: Whole | None = None
+    budget_steps: Whole | None = None
     start_from: Pairs = None
     time_limit: str | None = None
 
@@ -97,7 +98,7 @@ class Training:
         given several times.
     """
 
-    steps: int | None = None
+    steps: Whole | None = None
     trainer: str | None = None
     trainer_option: Pairs = None
 
@@ -119,9 +120,9 @@ class Final:
         A design that fails its audit (see `robomore audit`) cannot be champion.
     """
 
-    final_steps: int | None = None
-    finalists: int | None = None
-    final_seeds: int | None = None
+    final_steps: Whole | None = None
+    finalists: Whole | None = None
+    final_seeds: Whole | None = None
     require_audit: Annotated[bool, Parameter(negative="")] = False
 
 
@@ -153,7 +154,7 @@ class Machine:
         Folder of the run. By default it is made in `runs/` and named after the options.
     """
 
-    workers: int | None = None
+    workers: Whole | None = None
     executor: str = "processes"
     ray_address: str | None = None
     cores: float | None = None

@@ -11,6 +11,7 @@ from robomore.cli.inputs import positive
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen
 from robomore.cli.output import console, tell, write
 from robomore.cli.run_options import Machine
+from robomore.cli.whole import Whole
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,13 +24,13 @@ def study(
     /,
     *tasks: str,
     preset: str = "quick",
-    seeds: int | None = None,
+    seeds: Whole | None = None,
     arm: Annotated[list[str] | None, Parameter(negative="")] = None,
     designer: Annotated[str | None, Parameter(group=Group("Designer", sort_key=4))] = None,
     model: ModelOptions | None = None,
     replay: ReplayOptions | None = None,
     machine: Machine | None = None,
-    side_by_side: int | None = None,
+    side_by_side: Whole | None = None,
     plan: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Run a study: several methods or settings on several tasks, with tables and figures.

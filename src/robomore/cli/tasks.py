@@ -193,6 +193,7 @@ def _print_morphology(
         f"mass         {number(facts['mass'])} kg\n"
         f"density      {number(facts['density'])} kg/m³ (mass divided by volume)\n"
         f"rest height  {number(facts['rest_height'])} m"
+        + (f"\nmass by      {task.mass}" if task.mass else "")
     )
 
 

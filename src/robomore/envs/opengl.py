@@ -22,6 +22,10 @@ _TRY = (
 _SECONDS = 60.0
 
 
+INSTALL = "apt install libosmesa6 (its name on Debian and Ubuntu), which needs no graphics card"
+"""What to do where no platform works."""
+
+
 @cache
 def ensure_opengl() -> None:
     """Make sure that pictures can be rendered without a window, with or without a screen.
@@ -31,30 +35,44 @@ def ensure_opengl() -> None:
     Raises:
         InputError: there is none that works.
     """
-    given = os.environ.get(PLATFORM)
-    if not given and (sys.platform != "linux" or _has_screen()):
+    if not os.environ.get(PLATFORM) and (sys.platform != "linux" or _has_screen()):
         return
-    for platform in (given,) if given else ("egl", "osmesa"):
-        if _works(platform):
-            os.environ[PLATFORM] = platform
-            return
+    platform = offscreen_platform()
+    if platform is None:
+        raise InputError(
+            f"no picture can be rendered here: {why_none()}, or draw without OpenGL: "
+            "robomore play RUN --drawn"
+        )
+    os.environ[PLATFORM] = platform
+
+
+def offscreen_platform() -> str | None:
+    """Return the platform that renders without a screen, the one that was asked for if any.
+
+    Returns:
+        An empty text for the system's own, `None` if none works.
+    """
+    given = os.environ.get(PLATFORM)
+    usual = ("egl", "osmesa") if sys.platform == "linux" else ("",)
+    return next((one for one in ((given,) if given else usual) if _works(one)), None)
+
+
+def why_none() -> str:
+    """Return why no platform works, and what to do about it."""
+    given = os.environ.get(PLATFORM)
     if given:
-        tried = f"{PLATFORM}={given} does not work; set it to egl or osmesa"
-    else:
-        tried = "there is no screen, and neither EGL nor OSMesa works"
-    raise InputError(
-        f"no picture can be rendered here: {tried}; install libegl1 or libosmesa6 (their names on "
-        "Debian and Ubuntu), or draw without OpenGL: robomore play RUN --drawn"
-    )
+        return f"{PLATFORM}={given} does not work; set it to egl or osmesa, or {INSTALL}"
+    return f"neither EGL nor OSMesa works; {INSTALL}"
 
 
 def _has_screen() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
+@cache
 def _works(platform: str) -> bool:
     command = [sys.executable, "-c", _TRY]
-    environment = os.environ | {PLATFORM: platform}
+    environment = os.environ | ({PLATFORM: platform} if platform else {})
     try:
         done = subprocess.run(
             command, env=environment, capture_output=True, timeout=_SECONDS, check=False

@@ -267,6 +267,7 @@ class Evaluator:
             checkpoint=carry.name if carry else "",
             containment=self.containment,
             versions=self.versions,
+            task=task_content(self.task),
         )
 
     def _carry(self, job: Job, leave: bool) -> Carry | None:

@@ -7,6 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
+from statistics import median
 from typing import Any
 
 import msgspec
@@ -27,6 +28,9 @@ _MOST_LOSSES = 10
 """Machines or Ray processes that a job may lose before the run stops. It can go on later."""
 _PATIENCE = 600.0
 """Seconds to wait for a machine while there is none."""
+_SLOW, _LEAST_SECONDS, _KNOWN = 3.0, 20.0, 3
+"""A job is copied to a free worker of another machine once it takes so many times the median of the
+others, and so many seconds at least, and once so many others are known."""
 _REPORTS = 20.0
 """Reports of progress a second, over all jobs of the executor together."""
 
@@ -36,7 +40,10 @@ class _Task:
     """A job that was given to Ray."""
 
     index: int
+    is_copy: bool = False
     node: str = ""
+    began: float = 0.0
+    copied: bool = False
     ended: Ended | None = None
     cancelled: bool = False
 
@@ -78,6 +85,7 @@ class Batch:
         self._waiting = deque(range(len(payloads)))
         self._tasks: dict[Any, _Task] = {}
         self._losses: dict[int, int] = {}
+        self._seconds: list[float] = []
 
     def outcomes(self, progress: Progress) -> Generator[tuple[int, Outcome]]:
         """Yield what comes of each job; those that have not started at a stop are left out.
@@ -93,6 +101,8 @@ class Batch:
                 if self._tasks:
                     idle_since = time.monotonic()
                     for generator in self._ready():
+                        if generator not in self._tasks:
+                            continue  # A copy of it was first.
                         outcome = self._read(generator, progress)
                         if outcome is not None:
                             yield outcome
@@ -116,22 +126,40 @@ class Batch:
                 self._workers.give_back()
                 self._stop()
                 return
-            index = self._waiting.popleft()
-            carry = self._carry.get(index)
-            options = self._nodes.options()
-            remote = self._remote.options(**options) if options else self._remote
-            generator = remote.remote(
-                self._function,
-                self._payloads[index],
-                self._timeout,
-                max(1.0, self._workers.count / _REPORTS),
-                carry.name if carry else "",
-                carry.leave if carry else False,
-                carry.left if carry else None,
-            )
-            self._tasks[generator] = _Task(index)
+            self._give(self._waiting.popleft())
+        self._copy_slow()
         if any(not task.node for task in self._tasks.values()) and self._should_stop():
             self._stop()
+
+    def _give(self, index: int, avoid: str = "") -> None:
+        """Give Ray a job, or a copy of one that runs on the machine `avoid`."""
+        carry = self._carry.get(index)
+        options = self._nodes.options(avoid)
+        remote = self._remote.options(**options) if options else self._remote
+        generator = remote.remote(
+            self._function,
+            self._payloads[index],
+            self._timeout,
+            max(1.0, self._workers.count / _REPORTS),
+            carry.name if carry else "",
+            carry.leave if carry else False,
+            carry.left if carry else None,
+        )
+        self._tasks[generator] = _Task(index, is_copy=bool(avoid))
+
+    def _copy_slow(self) -> None:
+        """Let a free worker repeat what a slow machine is busy with: whoever is first has done it.
+
+        Both would give the same reply, so no result depends on who is first.
+        """
+        if self._waiting or len(self._seconds) < _KNOWN:
+            return
+        limit = max(_LEAST_SECONDS, _SLOW * median(self._seconds))
+        for task in list(self._tasks.values()):
+            slow = task.node and not task.is_copy and time.monotonic() - task.began > limit
+            if slow and not task.copied and self._workers.take():
+                task.copied = True
+                self._give(task.index, avoid=task.node)
 
     def _stop(self) -> None:
         self._waiting.clear()
@@ -174,8 +202,9 @@ class Batch:
             return self._lost(generator, "it ended without an outcome")
         match message:
             case Started(node):
-                task.node = node
-                progress(task.index, 0)
+                task.node, task.began = node, time.monotonic()
+                if not task.is_copy:
+                    progress(task.index, 0)
             case Progressed(units):
                 progress(task.index, units)
             case Ended():
@@ -195,6 +224,8 @@ class Batch:
             self._nodes.refuse(task.node, message.reason)
             self._again(generator)
             return None
+        if self._others(task.index)[1:]:
+            return self._over(generator, None)  # Its copy may still do it.
         return self._over(generator, Failed(message.reason, message.timed_out))
 
     def _lost(self, generator: Any, error: object) -> tuple[int, Outcome] | None:
@@ -208,19 +239,33 @@ class Batch:
         if carry is not None:
             # The folder may have been on that machine. Without it the numbers are the same.
             self._carry[task.index] = replace(carry, left=None)
+        if self._others(task.index)[1:]:
+            return self._over(generator, None)
         where = self._nodes.name(task.node) if task.node else "the cluster"
         log.warning("%s lost an evaluation, which is done again: %s", where, _short(error))
         self._again(generator)
         return None
 
     def _again(self, generator: Any) -> None:
-        self._waiting.appendleft(self._tasks[generator].index)
+        index = self._tasks[generator].index
         self._over(generator, None)
+        if not self._others(index):
+            self._waiting.appendleft(index)
+
+    def _others(self, index: int) -> list[Any]:
+        return [other for other, task in self._tasks.items() if task.index == index]
 
     def _over(self, generator: Any, outcome: Outcome | None) -> tuple[int, Outcome] | None:
         task = self._tasks.pop(generator)
         self._workers.give_back()
-        return None if outcome is None else (task.index, outcome)
+        if outcome is None:
+            return None
+        if isinstance(outcome, Done):
+            self._seconds.append(time.monotonic() - task.began)
+        for other in self._others(task.index):
+            self._ray.cancel(other, force=True)
+            self._over(other, None)
+        return task.index, outcome
 
     def _no_way(self, seconds: float) -> str:
         """Return why the waiting jobs cannot be started, if it is certain by now."""

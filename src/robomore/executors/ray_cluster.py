@@ -59,6 +59,13 @@ def ray_module() -> Any:
     return ray
 
 
+def read_token_again() -> None:
+    """Let Ray read mode and token now: it reads them once, perhaps before they were set."""
+    raylet = importlib.import_module("ray._raylet")
+    raylet.Config.initialize("")
+    raylet.AuthenticationTokenLoader.instance().reset_cache()
+
+
 def connect(address: str | None) -> None:
     """Join the cluster at `address`, or start one on this machine that ends with this process.
 
@@ -81,10 +88,7 @@ def connect(address: str | None) -> None:
     ray = ray_module()
     if ray.is_initialized():
         raise InputError("this process uses a Ray cluster already; call ray.shutdown() first")
-    # Ray reads mode and token as it is imported, which may have been before they were set.
-    raylet = importlib.import_module("ray._raylet")
-    raylet.Config.initialize("")
-    raylet.AuthenticationTokenLoader.instance().reset_cache()
+    read_token_again()
     options = {"log_to_driver": True, "logging_level": logging.WARNING}
     handlers = {number: signal.getsignal(number) for number in _SIGNALS}
     try:

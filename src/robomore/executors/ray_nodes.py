@@ -54,13 +54,18 @@ class Nodes:
             self._looked = -_LOOK
         log.warning("%s of the cluster gets no work: %s", self.name(id), one_line(reason))
 
-    def options(self) -> dict[str, Any]:
-        """Return options of a task that keep it away from the machines that are not fit."""
-        if not self._refused:
+    def options(self, avoid: str = "") -> dict[str, Any]:
+        """Return options of a task that keep it away from machines that are not fit.
+
+        Args:
+            avoid: one more machine to keep away from; empty for none.
+        """
+        others = {*self._refused, avoid} - {""}
+        if not others:
             return {}
         from ray.util.scheduling_strategies import NodeLabelSchedulingStrategy, NotIn
 
-        strategy = NodeLabelSchedulingStrategy(hard={_NODE_ID: NotIn(*self._refused)})
+        strategy = NodeLabelSchedulingStrategy(hard={_NODE_ID: NotIn(*sorted(others))})
         return {"scheduling_strategy": strategy}
 
     def at(self, ip: str) -> str | None:

@@ -17,7 +17,7 @@ from robomore.designers.recorded import RecordedDesigner
 from robomore.designers.started import StartedDesigner
 from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitReached
 from robomore.evaluation.evaluator import Evaluator
-from robomore.events import Observer, RunBegan, ignore, one_at_a_time
+from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
 from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
@@ -39,6 +39,8 @@ from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import task_content
+from robomore.tasks.registry import remember
+from robomore.trackers import RunTracking
 from robomore.training.settings import ensure_trainer, packages_for
 from robomore.types import Design, Evaluation, Morphology, Reward, Start
 
@@ -56,6 +58,7 @@ def run(
     time_limit: float | None = None,
     containment: str | None = None,
     observe: Observer = ignore,
+    trackers: Sequence[str] = (),
     name: str = "",
     start_from: Sequence[Given] = (),
     hint: str = "",
@@ -83,6 +86,7 @@ def run(
             untrusted code in; `relaxed` uses the layers there are. By default strict, but for
             rewards of our own (no language model) where it is not possible.
         observe: told what goes on.
+        trackers: names of trackers that are told the numbers: `tensorboard`, `wandb`, `trackio`.
         name: of the settings in the manifest; by default the preset's, or `custom`.
         start_from: morphologies, rewards, designs, or runs whose champion is meant. They take the
             first places of the search, and are part of its identity.
@@ -97,7 +101,11 @@ def run(
     """
     began = time.monotonic()
     task = get_task(task) if isinstance(task, str) else task
-    observe = one_at_a_time(observe)
+    content = task_content(task)
+    if content:
+        remember(task)
+    tracking = RunTracking(trackers)
+    observe = one_at_a_time(both(observe, tracking))
     name = name or (settings if isinstance(settings, str) else "custom")
     settings = preset(settings) if isinstance(settings, str) else settings
     method = make_method(settings.method)
@@ -108,8 +116,8 @@ def run(
     searched = limited(task, settings)
     starts = checked_starts(searched, start_from)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
-    proposed = [one.reward.source for one in starts if one.reward]
-    given = [settings.method.options.get("reward"), *proposed]
+    given: list[str | None] = [one.reward.source for one in starts if one.reward]
+    given.append(settings.method.options.get("reward"))
     ours = designer in (None, "offline") and all(one in (None, task.reward) for one in given)
     mode, layers = choose_containment(containment, ours=ours)
     chosen = _no_designer(method)
@@ -161,12 +169,13 @@ def run(
         return time_limit is not None and time.monotonic() - began >= time_limit
 
     with ExitStack() as stack:
+        stack.callback(tracking.close)
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
         progress = ProgressFile(folder.progress, observe)
         stack.callback(progress.close)
         observe = one_at_a_time(progress)
-        if content := task_content(task):
+        if content:
             folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
         doing = stack.enter_context(make_executor())

@@ -13,7 +13,7 @@ from robomore.export.printing import Piece, Printer, fitting_scale, in_mm
 from robomore.export.urdf import lost_in_urdf
 from robomore.report.command import command_line
 from robomore.runs import Run
-from robomore.runs.words import label, measured, number, with_interval
+from robomore.runs.words import in_unit, label, measured, number, with_interval
 from robomore.text import one_line
 from robomore.types import Evaluation
 
@@ -78,7 +78,7 @@ def _head(run: Run, evaluation: Evaluation, name: str) -> list[str]:
 def _numbers(run: Run, evaluation: Evaluation, again: Sequence[float]) -> list[str]:
     champion = run.champion
     assert champion is not None
-    episodes = evaluation.episode_fitness
+    episodes, unit = evaluation.episode_fitness, run.fitness_unit
     lines = [
         "## Numbers",
         "",
@@ -87,10 +87,10 @@ def _numbers(run: Run, evaluation: Evaluation, again: Sequence[float]) -> list[s
         "| measure | value |",
         "|---|---|",
         f"| fitness ({run.task.goal.name}), mean of {len(episodes)} episodes | "
-        f"{number(evaluation.fitness)} m |",
-        f"| lowest and highest episode | {number(min(episodes))} m, {number(max(episodes))} m |",
+        f"{in_unit(evaluation.fitness, 'fitness', unit)} |",
+        f"| lowest and highest episode | {number(min(episodes))}, {number(max(episodes))} |",
         f"| volume | {number(evaluation.volume)} m³ |",
-        f"| efficiency (fitness / volume) | {number(evaluation.efficiency)} m/m³ |",
+        f"| efficiency (fitness / volume) | {in_unit(evaluation.efficiency, 'efficiency', unit)} |",
     ]
     for key in ("mass", "density", "rest_height"):
         if key in evaluation.body:

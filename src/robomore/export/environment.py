@@ -21,6 +21,7 @@ from robomore.export.templates import template
 from robomore.identity import derive_seed
 from robomore.runs import Run
 from robomore.store.manifest import package_versions
+from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
 from robomore.text import one_line, to_json
 from robomore.types import Evaluation
@@ -46,6 +47,9 @@ class _Official:
     imports: str = ""
     overrides: str = ""
 
+
+_MEASURED = ("distance", "height")
+"""What an exported package can measure by itself."""
 
 _OFFICIAL = {
     "robomore.envs.robots.ant:AntEnvironment": _Official("ant_v5", "AntEnv", "robot.data.qpos[2]"),
@@ -102,9 +106,15 @@ def environment_package(
         policy: text of the module that acts.
 
     Raises:
-        ExportFailed: the task's options cannot be written down.
+        ExportFailed: the task's options cannot be written down, or its fitness is another one than
+            distance or height.
     """
     task, package = run.task, package_name(run.task, name)
+    if task.goal.name not in _MEASURED:
+        raise ExportFailed(
+            f"{task.id} is about {task.goal.name}, and an exported package measures "
+            f"{' or '.join(_MEASURED)} alone"
+        )
     parameters = evaluation.design.morphology.parameters
     if task.goal.name not in _MEASURED:
         raise ExportFailed(
@@ -131,6 +141,8 @@ def environment_package(
         "recorded.json": to_json(recorded(evaluation)).decode() + "\n",
     }
     files = {f"{package}/{file}": text.encode() for file, text in inner.items()}
+    if not stands_alone(task):
+        files[f"{package}/task.json"] = task_content(task)
     return files | {"pyproject.toml": template("pyproject.toml", **common).encode()}
 
 

@@ -21,6 +21,9 @@ from robomore.plain_files import cannot_write
 
 TASK_FILE, ROBOT_FILE = "task.toml", "robot.xml"
 
+_MOST_NOTES = 8
+"""Notes of the reading that a task file repeats."""
+
 _MOST_GROUPS = 6
 """Groups of links that are proposed as free, the longest ones."""
 
@@ -78,6 +81,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = ()) -> str:
     lines = [
         "# A task of RoboMoRe, made from a robot's file. Edit it as you like;",
         "# `robomore check-task` says what is wrong with it and how it was understood.",
+        *(f"# Note: {note}." for note in robot.notes[:_MOST_NOTES]),
         f"id = {_text(_identifier(name))}",
         f"title = {_text(name.replace('_', ' ').replace('-', ' ').title())}",
         f'description = """{_description(model, moves)}"""',
@@ -90,6 +94,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = ()) -> str:
         "",
         "control_hz = 50",
         "episode_seconds = 20",
+        *(["reach = 0.35  # fraction of each control range that actions use"] if moves else []),
         "",
     ]
     if home := propose_home(robot, model):
@@ -234,9 +239,9 @@ def _tip(model: mujoco.MjModel) -> str:
 
 
 def _place(model: mujoco.MjModel) -> list[float]:
-    """Return a place that an arm can reach: beside its base, half as far as it is long."""
+    """Return a place that an arm can reach: before its base, four tenths as far as it is long."""
     reach = sum(link.length for link in find_links(model).values())
-    return [round(0.4 * reach, 2), round(0.2 * reach, 2), round(0.4 * reach, 2)]
+    return [round(share * reach, 2) for share in (0.25, 0.15, 0.25)]
 
 
 def _names(group: Sequence[Link]) -> list[str]:

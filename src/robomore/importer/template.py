@@ -30,6 +30,9 @@ _SIZED = {"geom": (*_PLACED, "size", "mass"), "site": _PLACED, "joint": ("pos", 
 _ROUNDING = 1e-6
 """Lengths in m below which a coordinate is rounding: MuJoCo writes six digits."""
 
+_HEIGHT = 1.0
+"""Height in m at which a robot that moves freely stands in its template."""
+
 Matrix = NDArray[Any]
 
 
@@ -118,7 +121,11 @@ class TemplateWriter:
         link, model = self._links[name], self._model
         above = int(model.body_parentid[link.body])
         parent = self._links.get(model.body(above).name)
-        _place(element, self._moved(parent, model.body_pos[link.body]), model.body_quat[link.body])
+        at = self._moved(parent, model.body_pos[link.body])
+        if int(model.body_dofnum[link.body]) == 6:
+            # The height at which a file places a robot tells how long its legs are.
+            at = [0.0, 0.0, _HEIGHT]
+        _place(element, at, model.body_quat[link.body])
         for child in list(element):
             if child.tag == "joint":
                 joint = model.joint(child.get("name"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
@@ -27,9 +27,8 @@ class Recording:
         title: for people.
         model: of the robot.
         poses: (steps + 1, nq) joint positions, the first one after the reset.
+        roots: (steps + 1, 2) x and height of the torso, in m.
         dt: seconds between two poses.
-        distance: forward way of the torso, in m.
-        height: highest torso height, in m.
         fell: whether the episode ended because the robot was no longer healthy.
     """
 
@@ -38,15 +37,31 @@ class Recording:
     title: str
     model: mujoco.MjModel
     poses: NDArray[np.float64]
+    roots: NDArray[np.float64]
     dt: float
-    distance: float
-    height: float
     fell: bool
+
+    @property
+    def distance(self) -> float:
+        """Forward way of the torso, in m."""
+        return float(self.roots[-1, 0] - self.roots[0, 0])
+
+    @property
+    def height(self) -> float:
+        """Highest torso height, in m."""
+        return float(self.roots[:, 1].max())
 
     @property
     def seconds(self) -> float:
         """Length of the episode."""
         return (len(self.poses) - 1) * self.dt
+
+    def first(self, seconds: float) -> Recording:
+        """Return the beginning of the episode, or all of it if it is not longer than that."""
+        length = round(seconds / self.dt) + 1
+        if length >= len(self.poses):
+            return self
+        return replace(self, poses=self.poses[:length], roots=self.roots[:length], fell=False)
 
 
 def record(
@@ -73,15 +88,13 @@ def record(
         fell = bool(transition.terminated[0])
         if fell or transition.truncated[0]:
             break
-    path = np.array(roots)
     return Recording(
         task=task,
         parameters=parameters,
         title=title,
         model=env.model,
         poses=np.array(poses),
+        roots=np.array(roots),
         dt=float(env.environment.dt),
-        distance=float(path[-1, 0] - path[0, 0]),
-        height=float(path[:, 1].max()),
         fell=fell,
     )

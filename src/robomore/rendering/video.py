@@ -7,7 +7,7 @@ import importlib.util
 import os
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from errno import EACCES, ENOENT
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,7 +17,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.errors import InputError
+from robomore.envs.opengl import PLATFORM, offscreen_platform, why_none
+from robomore.errors import InputError, VideoFailed
 from robomore.plain_files import cannot_write, write_plain
 from robomore.rendering.drawing import (
     elevation,
@@ -35,10 +36,14 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 640, 360
 _FRAMES_PER_SECOND = 30
-_SIZES_WIDE = 3.2
+_SIZES_WIDE = 2.2
 """The picture is so many robots wide."""
+_THIN = 1.5
+"""Pixels: a robot with thinner parts is drawn, since a drawing keeps them visible."""
 _ANIMATED = (".webp", ".gif")
-_RENDER_SECONDS = 600.0
+
+Progress = Callable[[int, int], None]
+"""Told how many frames of how many there are."""
 
 
 def refuse_format(path: Path) -> None:
@@ -68,9 +73,13 @@ def default_path(folder: Path, name: str) -> Path:
 
 
 def write_video(
-    recordings: Sequence[Recording], path: Path, seconds: float, drawn: bool = False
-) -> None:
-    """Write episodes, or their first `seconds`, one below the other at one clock.
+    recordings: Sequence[Recording],
+    path: Path,
+    seconds: float,
+    drawn: bool = False,
+    progress: Progress = lambda done, all: None,
+) -> str:
+    """Write episodes, or their first `seconds`, one below the other at one clock and one scale.
 
     An episode that ends before the others stays in its last pose.
 
@@ -78,43 +87,67 @@ def write_video(
         recordings: at least one, all of one task.
         path: decides the format by its suffix.
         seconds: length at most.
-        drawn: without OpenGL in any case; several episodes always are.
+        drawn: without OpenGL in any case.
+        progress: is told how many frames there are, and how many there will be.
+
+    Returns:
+        Why the video was drawn and not rendered with OpenGL; empty if it was rendered.
 
     Raises:
         InputError: the file cannot be written.
+        VideoFailed: OpenGL failed on the way.
     """
     with TemporaryDirectory(prefix="robomore-") as scratch:
         # Whole or not at all, and never through a link that lies in the folder.
         made = Path(scratch) / f"video{path.suffix.lower()}"
-        _write(recordings, made, seconds, drawn)
+        why = _write(recordings, made, seconds, drawn, progress)
         try:
             write_plain(path, made.read_bytes())
         except OSError as error:
             raise cannot_write(path, error, "name a file elsewhere with --out") from None
+    return why
 
 
-def _write(recordings: Sequence[Recording], path: Path, seconds: float, drawn: bool) -> None:
+def _write(
+    recordings: Sequence[Recording], path: Path, seconds: float, drawn: bool, progress: Progress
+) -> str:
     dt = recordings[0].dt
     stride = max(1, round(1 / (_FRAMES_PER_SECOND * dt)))
     length = min(max(len(one.poses) for one in recordings), int(seconds / dt) + 1)
     shown = [_held(one.poses, length)[::stride] for one in recordings]
-    rate = 1 / (dt * stride)
-    with TemporaryDirectory(prefix="robomore-") as scratch:
-        rendered = None
-        if len(recordings) == 1 and not drawn:
-            rendered = _rendered(recordings[0], shown[0], Path(scratch))
-        if rendered is not None:
-            from PIL.Image import fromarray
+    # At one scale, so that a small robot is seen to be small.
+    metres = max(_width(one) for one in recordings)
+    why = "" if not drawn else "so it was asked"
+    if not why and _thinnest(recordings, metres) < _THIN:
+        why = "the robot is so thin that rendered parts would flicker"
+    if not why and offscreen_platform() is None:
+        why = f"there is no OpenGL: {why_none()}"
+    frames = (
+        _drawn(recordings, shown, stride, metres)
+        if why
+        else _rendered(recordings, shown, stride, metres)
+    )
 
-            _encode((fromarray(np.asarray(frame)) for frame in rendered), path, rate, HEIGHT)
-            return
-    # Side by side at one scale, so that a small robot is seen to be small.
-    width = max(_width(one) for one in recordings)
+    def counted() -> Iterator[Image]:
+        for index, frame in enumerate(frames, 1):
+            progress(index, len(shown[0]))
+            yield frame
+
+    _encode(counted(), path, 1 / (dt * stride), HEIGHT * len(recordings))
+    return why
+
+
+def _drawn(
+    recordings: Sequence[Recording],
+    shown: Sequence[NDArray[np.float64]],
+    stride: int,
+    metres: float,
+) -> Iterator[Image]:
     columns = [
-        draw_frames(one, poses, stride, width) for one, poses in zip(recordings, shown, strict=True)
+        draw_frames(one, poses, stride, metres)
+        for one, poses in zip(recordings, shown, strict=True)
     ]
-    frames = (_stacked(pictures) for pictures in zip(*columns, strict=True))
-    _encode(frames, path, rate, HEIGHT * len(recordings))
+    return (_stacked(pictures) for pictures in zip(*columns, strict=True))
 
 
 def _held(poses: NDArray[np.float64], length: int) -> NDArray[np.float64]:
@@ -175,39 +208,82 @@ def draw_frames(
             model, data, view, ground_lines(view, middle, 0.75 * metres, spacing, ground)
         )
         seconds = index * stride * recording.dt
-        caption = f"{recording.title}   {seconds:5.1f} s   x = {middle[0]:.1f} m"
+        caption = _caption(recording, seconds, float(middle[0]))
         yield image(scene, Frame(centre, metres, WIDTH, HEIGHT), caption)
 
 
 def _rendered(
-    recording: Recording, poses: NDArray[np.float64], scratch: Path
-) -> NDArray[np.uint8] | None:
-    """Return frames (poses, height, width, 3) from MuJoCo's renderer, or `None` without OpenGL.
+    recordings: Sequence[Recording],
+    shown: Sequence[NDArray[np.float64]],
+    stride: int,
+    metres: float,
+) -> Iterator[Image]:
+    """Yield pictures from MuJoCo's renderer, which runs in a process of its own.
 
-    It runs in a process of its own: a broken driver ends a process, and cannot be asked before.
+    Raises:
+        VideoFailed: it ended too early.
     """
-    request, answer = scratch / "poses.npz", scratch / "frames.raw"
-    task = np.frombuffer(task_content(recording.task), np.uint8)
-    np.savez(request, poses=poses, parameters=np.array(recording.parameters), task=task)
-    given = os.environ.get("MUJOCO_GL")
-    platforms = ("egl", "osmesa") if sys.platform.startswith("linux") else ("",)
-    for platform in (given,) if given else platforms:
-        command = [sys.executable, "-m", "robomore.rendering.offscreen", recording.task.id]
-        environment = os.environ | ({"MUJOCO_GL": platform} if platform else {})
-        try:
-            done = subprocess.run(
-                [*command, str(request), str(answer)],
-                env=environment,
-                capture_output=True,
-                timeout=_RENDER_SECONDS,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            continue
-        shape = (len(poses), HEIGHT, WIDTH, 3)
-        if done.returncode == 0 and answer.stat().st_size == int(np.prod(shape)):
-            return np.memmap(answer, np.uint8, "r", shape=shape)
-    return None
+    from PIL.Image import frombytes
+
+    size = (WIDTH, HEIGHT * len(recordings))
+    with TemporaryDirectory(prefix="robomore-") as scratch:
+        request = Path(scratch) / "poses.npz"
+        arrays = {f"poses{i}": poses for i, poses in enumerate(shown)}
+        arrays |= {f"parameters{i}": np.array(one.parameters) for i, one in enumerate(recordings)}
+        arrays["task"] = np.frombuffer(task_content(recordings[0].task), np.uint8)
+        np.savez(request, metres=np.array(metres), **arrays)  # type: ignore[arg-type]
+        platform = offscreen_platform()
+        command = [sys.executable, "-m", "robomore.rendering.offscreen", recordings[0].task.id]
+        process = subprocess.Popen(
+            [*command, str(request)],
+            env=os.environ | ({PLATFORM: platform} if platform else {}),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
+        with process:
+            assert process.stdout is not None
+            try:
+                for index in range(len(shown[0])):
+                    raw = process.stdout.read(size[0] * size[1] * 3)
+                    if len(raw) < size[0] * size[1] * 3:
+                        raise VideoFailed(
+                            f"OpenGL ({platform}) failed in frame {index + 1}; draw without it: "
+                            "--drawn"
+                        )
+                    picture = frombytes("RGB", size, raw)
+                    _label(picture, recordings, shown, index, stride)
+                    yield picture
+            finally:
+                process.kill()
+
+
+def _label(
+    picture: Image,
+    recordings: Sequence[Recording],
+    shown: Sequence[NDArray[np.float64]],
+    index: int,
+    stride: int,
+) -> None:
+    """Write name, time and way of each robot into its part of the picture."""
+    from PIL import ImageDraw, ImageFont
+
+    pen, font = ImageDraw.Draw(picture), ImageFont.load_default(14.0)
+    for row, one in enumerate(recordings):
+        place = min(index * stride, len(one.roots) - 1)
+        text = _caption(one, index * stride * one.dt, float(one.roots[place, 0]))
+        pen.text((12, row * HEIGHT + 10), text, "#222222", font)
+
+
+def _caption(recording: Recording, seconds: float, x: float) -> str:
+    return f"{recording.title}   {seconds:5.1f} s   x = {x:.1f} m"
+
+
+def _thinnest(recordings: Sequence[Recording], metres: float) -> float:
+    """Return how many pixels wide the thinnest part of the robots is."""
+    sizes = [
+        2 * float(one.model.geom_size[one.model.geom_bodyid > 0, 0].min()) for one in recordings
+    ]
+    return min(sizes) * WIDTH / metres
 
 
 def _encode(frames: Iterable[Image], path: Path, rate: float, height: int) -> None:

@@ -41,7 +41,7 @@ class Origin:
         role: which pair of the final the champion is.
         steps: control steps of each training in the final.
         reference_fitness: of the reference design in the same final, in m, for each training seed.
-        reference_efficiency: likewise, in m/m^3.
+        reference_efficiency: likewise, in m/m³.
         versions: of the packages that decide the numbers.
     """
 
@@ -97,7 +97,7 @@ class Entry:
 
     @property
     def efficiency(self) -> float | None:
-        """Mean over the training seeds, in m/m^3."""
+        """Mean over the training seeds, in m/m³."""
         return _mean(self.facts.efficiency)
 
 

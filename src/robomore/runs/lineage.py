@@ -55,3 +55,15 @@ def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
         found.append(by_key[key])
         key = by_key[key].place.parent
     return tuple(reversed(found))
+
+
+def trained_steps(evaluations: Iterable[Evaluation]) -> int:
+    """Return the control steps of training that evaluations took; what was continued counts once.
+
+    A training that went on from rung to rung has an evaluation for each, of the same steps.
+    """
+    longest: dict[object, int] = {}
+    for evaluation in evaluations:
+        training = same_training(evaluation)
+        longest[training] = max(evaluation.steps, longest.get(training, 0))
+    return sum(longest.values())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,7 +13,8 @@ from robomore.errors import InputError
 from robomore.llm import Spending
 from robomore.plan import Plan
 from robomore.runs.empty import EmptySlot
-from robomore.runs.lineage import Record, ancestry, best_of, same_training
+from robomore.runs.failures import Failure, failures_of
+from robomore.runs.lineage import Record, ancestry, best_of, trained_steps
 from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.pareto import covered, pareto_set
 from robomore.runs.table import Row, dataframe, rows
@@ -34,21 +34,6 @@ if TYPE_CHECKING:
 
 FEWEST_FOR_HEADLINE = 3
 """Training seeds below which no ratio is put into a headline."""
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """Evaluations that failed for one reason.
-
-    Attributes:
-        status: how they ended.
-        diagnosis: of the first of them.
-        places: where in the run.
-    """
-
-    status: Status
-    diagnosis: str
-    places: tuple[Place, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +194,7 @@ class Run:
         """What everything took."""
         return Cost(
             evaluations=len(self.evaluations),
-            steps=_steps(self.evaluations),
+            steps=trained_steps(self.evaluations),
             core_seconds=sum(evaluation.seconds for evaluation in self.evaluations),
         )
 
@@ -218,18 +203,12 @@ class Run:
         """Control steps of training that the search took, the final left out."""
         final = {stage.name for stage in self.plan.stages if stage.role == "final"}
         search = (r.evaluation for r in self.records if r.place.stage not in final)
-        return _steps({e.key: e for e in search}.values())
+        return trained_steps({e.key: e for e in search}.values())
 
     @cached_property
     def failures(self) -> tuple[Failure, ...]:
         """What failed, by reason, the most frequent first."""
-        groups: dict[tuple[Status, str], list[Place]] = {}
-        for record in self.records:
-            e = record.evaluation
-            if not e.ok:
-                groups.setdefault((e.status, e.diagnosis), []).append(record.place)
-        found = [Failure(status, said, tuple(at)) for (status, said), at in groups.items()]
-        return tuple(sorted(found, key=lambda failure: -len(failure.places)))
+        return failures_of(self.records)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -344,6 +323,12 @@ class Run:
 
         return write_report(self.folder, Path(out) if out else None)
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the numbers, and champion and reference moving."""
+        from robomore.report import notebook_html
+
+        return notebook_html(self)
+
     def kept(self, key: str | None = None) -> Evaluation:
         """Return the evaluation of a key, by default of the champion's best training seed.
 
@@ -363,12 +348,3 @@ def _ratio(
     above = champion.score(objective) if champion else None
     below = reference.score(objective) if reference else None
     return ratio(above.values, below.values) if above and below else None
-
-
-def _steps(evaluations: Iterable[Evaluation]) -> int:
-    # A training that went on from rung to rung has an evaluation for each, of the same steps.
-    longest: dict[object, int] = {}
-    for evaluation in evaluations:
-        training = same_training(evaluation)
-        longest[training] = max(evaluation.steps, longest.get(training, 0))
-    return sum(longest.values())

@@ -53,6 +53,8 @@ def warnings_about(run: Run) -> tuple[str, ...]:
         said += _about_audits(run)
     said += _about_matter(champion)
     said += _about_bounds(run, champion)
+    if run.task.mass:
+        said.append(f"How mass follows from size is declared by the task: {run.task.mass}.")
     return tuple(said)
 
 

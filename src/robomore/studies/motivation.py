@@ -37,7 +37,7 @@ PAPER = {
     "long-jumping": (59.94, 1457.65),
     "long-rolling": (5.13, 124.75),
 }
-"""The paper's fitness in m and efficiency in m/m^3, cases (a) to (d)."""
+"""The paper's fitness in m and efficiency in m/m³, cases (a) to (d)."""
 
 
 def _arm(name: str, parameters: tuple[float, ...], reward: str) -> Arm:

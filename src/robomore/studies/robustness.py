@@ -48,15 +48,14 @@ def _tables(results: Results) -> list[Table]:
                 len(found),
             )
         )
-    fitness_unit = get_task(results.tasks[0]).goal.unit
-    unit = unit_of(results.objective, fitness_unit) or "no unit"
+    unit = unit_of(results.objective, results.fitness_unit) or "no unit"
     columns = ("task", f"mean ({unit})", f"lowest run ({unit})", f"highest run ({unit})")
     return [
         Table(
             "robustness",
             f"One design, found in {get_task(results.tasks[0]).title}, trained anew in each task: "
-            f"{label(results.objective)}",
-            (*columns, f"fitness ({fitness_unit})", f"human design ({unit})", "runs"),
+            f"{label(results.objective, results.fitness_unit)}",
+            (*columns, label("fitness", results.fitness_unit), f"human design ({unit})", "runs"),
             tuple(rows),
             "Each run searches in the first task, and trains what it found in all of them.",
         )
@@ -70,7 +69,11 @@ def _figures(results: Results) -> dict[str, Draw]:
             if scores:
                 lines[name][get_task(task).title] = scores
     drawn = {name: line for name, line in lines.items() if line}
-    return {"robustness": partial(by_task, drawn, label(results.objective))} if drawn else {}
+    return (
+        {"robustness": partial(by_task, drawn, label(results.objective, results.fitness_unit))}
+        if drawn
+        else {}
+    )
 
 
 ROBUSTNESS_GEAR = Study(

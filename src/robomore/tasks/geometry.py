@@ -47,7 +47,7 @@ class Solid:
     """A box, a cylinder, an ellipsoid or a mesh.
 
     Attributes:
-        volume: in m^3.
+        volume: in m³.
     """
 
     volume: float

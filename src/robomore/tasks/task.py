@@ -20,6 +20,8 @@ from robomore.tasks.template import fill, names_used
 
 _MESH_SCALE = re.compile(r'(<mesh\b[^>]*) scale="[^"]*\{[^"]*"')
 
+_FILE = re.compile(r"""<(?!compiler)\w+\b[^>]*\sfile=["']([^"']+)""")
+
 Values = Mapping[str, float]
 """Parameters by name."""
 
@@ -114,7 +116,7 @@ class Task:
         terrain: height field to run on, or `None` for flat ground.
         episode_steps: control steps of a full episode.
         assets: content of the mesh files that the template names, by name.
-        mesh_volumes: enclosed volume of each mesh in m^3 at scale 1, by name.
+        mesh_volumes: enclosed volume of each mesh in m³ at scale 1, by name.
         mass: how the robot's mass follows from its size, in words.
     """
 
@@ -150,6 +152,13 @@ class Task:
             unknown = sorted(names_used(self.template) - known)
         except (InputError, ValueError) as error:
             raise InputError(f"{self.id}: {error}") from None
+        files = [name for name in _FILE.findall(self.template) if name not in self.assets]
+        if files:
+            raise InputError(
+                f"{self.id}: its template reads the file {files[0]!r}, which a training in its "
+                "sandbox cannot; put the file's content into `assets` under that name, without a "
+                "meshdir, or let `robomore new` make a task file"
+            )
         if unknown:
             raise InputError(
                 f"{self.id}: its template uses {', '.join(map(repr, unknown))}, which is neither a "

@@ -1,7 +1,7 @@
 """Tuned options: what a trainer needs to be told about a robot, as opposed to about a task.
 
 They were found by learning curves of the human designs (`benchmarks/README.md`). A robot that has
-none, one of your own for instance, is trained with the trainer's defaults.
+none is trained with the trainer's defaults.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ _TUNED: dict[str, dict[str, dict[str, Any]]] = {
             "gamma": 0.995,
             "deterministic_env_fraction": 0.5,
         },
+        # Measured on one robot, Unitree's Go1 (docs/own-robot.md).
+        "robomore.envs.robots.own_robot:OwnRobotEnvironment": {"deterministic_env_fraction": 0.5},
         "robomore.envs.robots.half_cheetah:HalfCheetahEnvironment": {
             "deterministic_env_fraction": 0.5,
         },

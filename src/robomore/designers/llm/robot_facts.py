@@ -65,7 +65,9 @@ def robot_layout(task: Task) -> str:
         )
     motors = []
     for motor in range(model.nu):
-        joint = name(mujoco.mjtObj.mjOBJ_JOINT, int(model.actuator_trnid[motor, 0]))
+        of_joint = model.actuator_trntype[motor] == mujoco.mjtTrn.mjTRN_JOINT
+        kind = mujoco.mjtObj.mjOBJ_JOINT if of_joint else mujoco.mjtObj.mjOBJ_ACTUATOR
+        joint = name(kind, int(model.actuator_trnid[motor, 0]) if of_joint else motor)
         gear = f" (gear {model.actuator_gear[motor, 0]:g})" if fixed else ""
         motors.append(f"[{motor}] {joint}{gear}")
     lines += ["", f"`action` has {model.nu} numbers, one for the motor of each joint: "]
@@ -142,22 +144,25 @@ def _height_limit(task: Task, made: Any) -> str:
     if limits is None:
         return ""
     other = _second(task)
-    low, high = limits
     said = []
-    if math.isfinite(low):
-        if other is None or other._healthy_z_range[0] == low:
-            said.append(f"lower than {low:g} m")
-        else:
-            shares = [one._healthy_z_range[0] / _start_height(one) for one in (made, other)]
-            same = math.isclose(*shares, rel_tol=1e-6)
-            limit = f"{shares[0]:.3g} times its height at the start" if same else "a limit"
-            said.append(f"lower than {limit}")
-    if math.isfinite(high):
-        said.append(f"higher than {high:g} m")
+    for side, (limit, word) in enumerate(zip(limits, ("lower", "higher"), strict=True)):
+        if not math.isfinite(limit):
+            continue
+        if other is None or other._healthy_z_range[side] == limit:
+            said.append(f"{word} than {limit:g} m")
+            continue
+        # A number would tell how tall the reference robot is.
+        shares = [one._healthy_z_range[side] / _start_height(one) for one in (made, other)]
+        same = math.isclose(*shares, rel_tol=1e-6)
+        height = f"{shares[0]:.3g} times its height at the start" if same else "a limit"
+        said.append(f"{word} than {height}")
     return f"the torso is {' or '.join(said)}" if said else ""
 
 
 def _angle_limit(made: Any) -> str:
+    tilt = getattr(made, "_healthy_tilt", None)
+    if tilt is not None:
+        return f"it leans by more than {math.degrees(tilt):.0f} degrees"
     limits = getattr(made, "_healthy_angle_range", None)
     if limits is None or not all(map(math.isfinite, limits)):
         return ""

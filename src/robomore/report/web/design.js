@@ -72,7 +72,7 @@ export class DesignWindow {
       one.cut ? make("p", { class: "soft" }, "Screening cut its training short.") : null,
       facts([
         [`efficiency ${this.page.perVolume}`, well && number(one.efficiency)],
-        [`fitness ${this.page.fitnessUnit}`, well && number(one.fitness)],
+        [`fitness ${this.page.fitnessUnit}`.trim(), well && number(one.fitness)],
         ["volume m³", one.volume && number(one.volume)],
         ["energy J", one.energy && number(one.energy)],
         [unit ? `objective ${unit}` : "objective", this.page.objective !== "efficiency"

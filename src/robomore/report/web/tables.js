@@ -51,7 +51,7 @@ export class Evaluations {
       place: text((one) => one.places[0]),
       status: text((one) => one.status),
       [`efficiency ${page.perVolume}`]: figure((one) => one.efficiency),
-      [`fitness ${page.fitnessUnit}`]: figure((one) => one.fitness),
+      [`fitness ${page.fitnessUnit}`.trim()]: figure((one) => one.fitness),
       "volume m³": figure((one) => one.volume),
       "energy J": figure((one) => one.energy),
       steps: { get: (one) => one.steps, say: (one) => one.steps.toLocaleString("en-US") },

@@ -1,0 +1,71 @@
+"""Volumes that are read from templates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from robomore.envs.compile import compile_model, model_volume
+from robomore.errors import InputError
+from robomore.tasks import TASKS, Capsule, get_task
+from robomore.tasks.solids import solids
+
+VOLUMES = {
+    "ant": 0.18217601654147828,
+    "hopper": 0.015820013405927,
+    "half-cheetah": 0.021183722813025697,
+    "swimmer": 0.10681415022205296,
+    "walker": 0.023677136632555076,
+}
+"""In m³, of the reference morphologies: summed by hand from lists of their solids."""
+
+
+@pytest.mark.parametrize("id", VOLUMES)
+def test_the_figures_of_the_paper_s_tasks(id: str) -> None:
+    task = get_task(id)
+    assert task.volume(task.reference) == pytest.approx(VOLUMES[id], rel=1e-14)
+    assert model_volume(compile_model(task, task.reference)) == pytest.approx(VOLUMES[id])
+
+
+def test_equal_legs_are_one_solid_with_a_count() -> None:
+    ant = TASKS["ant"]
+    legs = [one for one in ant.solids(ant.named(ant.reference)) if isinstance(one, Capsule)]
+    assert [one.count for one in legs] == [4, 4, 4]
+
+
+def test_every_kind_of_solid_with_defaults_by_class() -> None:
+    template = """<mujoco>
+      <default><geom type="box" size="1 2 3"/>
+        <default class="thin"><geom type="cylinder" size="{r} 0.5"/></default></default>
+      <worldbody><geom type="plane" size="1 1 1"/><body childclass="thin">
+        <geom/><geom class="main"/><geom type="ellipsoid" size="1 1 1"/>
+        <geom contype="0" conaffinity="0" size="9 9 9"/>
+        <frame><body><geom type="mesh" mesh="m"/></body></frame>
+      </body></worldbody>
+      <asset><mesh name="m" scale="2 {r} 1"/></asset></mujoco>"""
+    template = template.replace('class="main"', 'type="box" size="1 2 3"')
+    found = [one.volume for one in solids(template, {"r": 0.1}, {"m": 10.0})]
+    assert found == pytest.approx([math.pi * 0.01, 48, 4 / 3 * math.pi, 2.0])
+
+
+def test_code_in_a_template_is_refused() -> None:
+    geom = '<geom size="{().__class__}"/>'
+    with pytest.raises(ValueError, match="not plain arithmetic"):
+        solids(f"<mujoco><worldbody><body>{geom}</body></worldbody></mujoco>", {})
+
+
+def test_a_typo_in_a_template_is_named() -> None:
+    swimmer = get_task("swimmer")
+    wrong = swimmer.template.replace("{front_radius}", "{front_radus}")
+    assert wrong != swimmer.template
+    with pytest.raises(InputError, match=r"uses 'front_radus', which is neither .* front_radius"):
+        replace(swimmer, template=wrong)
+
+
+def test_a_template_that_reads_a_file_says_how_it_travels() -> None:
+    swimmer = get_task("swimmer")
+    mesh = '<asset><mesh name="shell" file="meshes/shell.obj"/></asset><worldbody>'
+    with pytest.raises(InputError, match=r"reads the file 'meshes/shell\.obj'.* into `assets`"):
+        replace(swimmer, template=swimmer.template.replace("<worldbody>", mesh))
