@@ -17,6 +17,7 @@ export class DesignWindow {
     this.dialog.querySelector("button.close").onclick = () => this.dialog.close();
     this.dialog.onclick = (event) => event.target === this.dialog && this.dialog.close();
     this.dialog.onclose = () => {
+      if (this.dialog.open) return; // the next design was opened before this was told
       this.player?.dispose();
       this.player = null;
       history.replaceState(null, "", location.pathname + location.search);

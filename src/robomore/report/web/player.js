@@ -21,6 +21,7 @@ export class Player {
     this.names = names;
     try {
       this.stage = new Stage(this.canvas, episodes);
+      this.canvas = this.stage.canvas;
     } catch (error) {
       this.fail("This browser shows no 3D (WebGL is off), so the robots stand still here.");
       return;

@@ -54,7 +54,6 @@ export class Robot extends Group {
   dispose() {
     for (const mesh of this.solids) {
       mesh.geometry.dispose();
-      mesh.material.dispose();
     }
   }
 }
@@ -63,8 +62,14 @@ export function colour(depth) {
   return PALETTE[Math.max(0, Math.min(depth, PALETTE.length) - 1)];
 }
 
+const paints = new Map(); // shared by all robots, so that their programs are made once
+
 function paint(depth) {
-  return new MeshStandardMaterial({ color: colour(depth), roughness: 0.55, metalness: 0.05 });
+  const color = colour(depth);
+  if (!paints.has(color)) {
+    paints.set(color, new MeshStandardMaterial({ color, roughness: 0.55, metalness: 0.05 }));
+  }
+  return paints.get(color);
 }
 
 // MuJoCo's solids stand along z, those of three.js along y.

@@ -14,8 +14,8 @@ const EXTRAS = { contacts: Contacts, torques: Torques, trail: Trail };
 export class Stage {
   // Throws where the browser has no WebGL.
   constructor(canvas, episodes) {
-    this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = rendererIn(canvas);
+    canvas = this.canvas = this.renderer.domElement;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -166,9 +166,18 @@ export class Stage {
   dispose() {
     this.controls.dispose();
     for (const view of this.views) view.robot.dispose();
-    this.renderer.dispose();
-    this.renderer.forceContextLoss();
+    idle.push(this.renderer);
   }
+}
+
+// Programs of the graphics card are slow to make, so a renderer that is done with is used again.
+const idle = [];
+
+function rendererIn(canvas) {
+  const known = idle.pop();
+  if (!known) return new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+  canvas.replaceWith(known.domElement);
+  return known;
 }
 
 function smooth(view, height) {
