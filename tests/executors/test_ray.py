@@ -66,6 +66,7 @@ def test_keys_stay_with_the_driver(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     monkeypatch.setenv("PYTHONPATH", PLACES)
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("OPENAI_API_KEY", PLANTED)
+    monkeypatch.setenv("RAY_worker_niceness", "0")
     with closing(Ray(1)) as executor:
         assert os.environ["OPENAI_API_KEY"] == PLANTED
         ((_, seen),) = executor.map(
