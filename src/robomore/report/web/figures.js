@@ -13,18 +13,20 @@ function wire(figure, open) {
   const tell = (mark) => {
     if (said) said.textContent = mark?.getAttribute("aria-label") ?? asks;
   };
+  for (const mark of marks) mark.setAttribute("tabindex", "-1");
   let current = marks[0];
   current.setAttribute("tabindex", "0");
-  const reach = (mark) => {
-    current.setAttribute("tabindex", "-1");
-    current = mark;
-    current.setAttribute("tabindex", "0");
-    current.focus({ preventScroll: true });
-  };
+  const reach = (mark) => mark.focus({ preventScroll: true });
   const markOf = (event) => event.target.closest(".tip");
   figure.addEventListener("pointerover", (event) => tell(markOf(event)));
   figure.addEventListener("pointerleave", () => tell(null));
-  figure.addEventListener("focusin", (event) => tell(markOf(event)));
+  figure.addEventListener("focusin", (event) => {
+    const mark = markOf(event);
+    current.setAttribute("tabindex", "-1");
+    current = mark ?? current;
+    current.setAttribute("tabindex", "0");
+    tell(mark);
+  });
   figure.addEventListener("click", (event) => {
     const mark = markOf(event);
     if (!mark) return;
