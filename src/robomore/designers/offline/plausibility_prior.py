@@ -27,9 +27,10 @@ VOLUME_GAIN = 1.0
 """Log efficiency that 1/e of the volume gains, which is what it gains at equal speed. Measured with
 thinner reference designs: fitness falls little or rises, down to the thinnest allowed."""
 STRIDE_GAIN = 2.0
-"""Log efficiency that legs of e times the length gain, up to `LEG_LENGTH`: longer strides."""
-LEG_LENGTH = 1.2
-"""Length in m of a leg's moving limbs above which a robot gains nothing, but costs volume."""
+"""Log efficiency that legs of e times the length gain, up to `LEG_LENGTHS[0]`: longer strides."""
+LEG_LENGTHS = (1.2, 2.0)
+"""Length in m of a leg's moving limbs above which a robot gains nothing, and above which one that
+stands loses, because motors of fixed strength swing long legs slowly."""
 SLENDERNESS = (1.5, 200.0)
 """Plausible range of a limb's length over its radius. Below are balls, above are needles."""
 MAX_LENGTH_SPREAD, MAX_RADIUS_SPREAD = 0.5, 0.4
@@ -63,7 +64,7 @@ class PlausibilityPrior:
         if (pose := self._rest_pose(values)) is not None:
             # Limbs that lie flat, such as a long foot, carry a standing robot no higher.
             upright = np.where(pose.height > 1e-6, pose.height, np.inf)
-            strides = np.clip(np.minimum(pose.stride, upright), 0.01, LEG_LENGTH)
+            strides = np.clip(np.minimum(pose.stride, upright), 0.01, LEG_LENGTHS[0])
             merit += STRIDE_GAIN * np.log(strides) - _penalty_of_pose(pose)
         return merit
 
@@ -109,12 +110,13 @@ class PlausibilityPrior:
 def _penalty_of_pose(pose: RestPose) -> Array:
     stands = pose.height > 1e-6
     lies = np.maximum(LOW_HEIGHT - pose.height / pose.reach, 0) / LOW_HEIGHT
+    too_long = STRIDE_GAIN * np.maximum(np.log(pose.stride / LEG_LENGTHS[1]), 0)
     penalty: Array = (
         -2 * np.log(pose.leverage)
         + 4 * np.minimum(pose.overhang, 1)
         + 3 * np.minimum(pose.tilt, 1)
         + 3 * np.maximum(np.log(pose.folding / MAX_FOLDING), 0)
-        + np.where(stands, 2 * lies + 4 * np.clip(pose.drop - MAX_DROP, 0, 1), 0)
+        + np.where(stands, too_long + 2 * lies + 4 * np.clip(pose.drop - MAX_DROP, 0, 1), 0)
     )
     return penalty
 
