@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -494,7 +495,8 @@ def test_no_key_reaches_a_worker_or_a_rewards_process(
     monkeypatch.setenv("OPENAI_API_KEY", "planted")
     monkeypatch.setenv(COMPATIBLE_KEY, "planted")
     monkeypatch.setenv("ROBOMORE_CACHE", str(tmp_path))
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent / "executors"))
+    tests = Path(__file__).parent
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(map(str, (tests / "executors", tests))))
     with closing(Processes(1)) as workers:
         ((_, seen),) = workers.map("jobs:environment", [b""], lambda *news: None, 30)
     assert isinstance(seen, Done)

@@ -44,7 +44,7 @@ def test_the_live_view_shows_all_of_it_and_takes_ideas_for_text(state: RunState)
     assert "6.000 m/m³ = 3.000 m / 0.5000 m³ (matrix: morphology 1, reward 1)" in text
     assert "long [legs]" in text
     assert "last failure: reward-failed: line 3: [bold]NameError" in text
-    assert "10 s so far, about 2 min left" in text
+    assert "10 s so far, about 80 s left" in text
 
 
 def test_the_live_view_fits_eighty_columns(state: RunState) -> None:

@@ -139,7 +139,12 @@ def test_a_folder_travels_from_job_to_job_and_can_be_lost(executor: Ray) -> None
 @pytest.mark.parametrize(
     ("settings", "seeds"),
     [
-        pytest.param(with_options(preset("smoke"), evaluations=8), 2, id="made up"),
+        pytest.param(
+            with_options(preset("smoke"), evaluations=8),
+            2,
+            id="made up",
+            marks=pytest.mark.exhaustive,
+        ),
         # The same with trainings, of which screening pauses some.
         pytest.param(SCREENED, 1, id="trained", marks=pytest.mark.exhaustive),
     ],

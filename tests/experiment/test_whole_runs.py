@@ -84,7 +84,7 @@ def test_a_finished_run_recomputes_nothing(trained_run: Path) -> None:
     began = time.monotonic()
     result = run("swimmer", TINY, seed=1, out=trained_run)
     # Eight trainings take many times as long.
-    assert time.monotonic() - began < 3
+    assert time.monotonic() - began < 10
     assert numbers(trained_run) == before
     assert result.champion is not None
     assert all(evaluation.ok for evaluation in result.champion.evaluations)

@@ -50,6 +50,7 @@ def ended(
 def quick(payload: bytes, progress: Callable[[int], None]) -> bytes:
     """Do an encoded `Request` as a worker does, with the quick trainer."""
     from robomore.evaluation import evaluate
+    from robomore.evaluation.work import work
     from robomore.sandbox.call import SandboxResult, run_sandboxed
 
     def quickly(
@@ -59,7 +60,7 @@ def quick(payload: bytes, progress: Callable[[int], None]) -> bytes:
 
     evaluate.run_sandboxed = quickly  # type: ignore[assignment]
     evaluate.compiled_trainer = lambda shape, containment: None
-    return evaluate.work(payload, progress)
+    return work(payload, progress)
 
 
 def made_up(payload: bytes, progress: Callable[[int], None]) -> bytes:
@@ -85,13 +86,14 @@ def slow(payload: bytes, progress: Callable[[int], None]) -> bytes:
 def disk_full(payload: bytes, progress: Callable[[int], None]) -> bytes:
     """Do an encoded `Request` on a disk that has no space for what training leaves."""
     from robomore.evaluation import evaluate
+    from robomore.evaluation.work import work
 
     def leave(*arguments: object, **options: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     evaluate.run_sandboxed = leave  # type: ignore[assignment]
     evaluate.compiled_trainer = lambda shape, containment: None
-    return evaluate.work(payload, progress)
+    return work(payload, progress)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from refusals import Command, refused
 from run_state import champion, numbers, rows, same_run
 
 import robomore
-from robomore.executors import processes
+from robomore.executors import worker_process
 from robomore.store import RunFolder
 
 CLOCKS = {
@@ -54,7 +54,9 @@ def test_the_wall_clock_is_read_where_rows_are_dated_and_nowhere_else() -> None:
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Attribute) and ast.unparse(node) in CLOCKS
     }
-    assert readers == {"store/rows.py"}
+    # A live page says when what it shows was read.
+    shown = {"monitor/progress.py", "serve/live.py", "serve/folder.py"}
+    assert readers - shown == {"store/rows.py"}
 
 
 def test_a_second_run_in_the_folder_is_refused_and_the_first_is_not_disturbed(
@@ -101,7 +103,7 @@ def test_where_no_worker_can_be_started_no_design_is_blamed(
 ) -> None:
     out = tmp_path / "run"
     with monkeypatch.context() as patch:
-        patch.setattr(processes, "_environment", environment_of_nobody)
+        patch.setattr(worker_process, "clean_environment", environment_of_nobody)
         said = robomore_(*SMOKE, "--out", out)
     refused(said, "no worker", status=1)
     assert not rows(out)

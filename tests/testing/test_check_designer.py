@@ -119,10 +119,6 @@ def failing_on_failures(self: Any, proposal: Any, slot: Slot, *others: Any) -> A
             changing(lambda self, one, *_: one if hasattr(one, "parameters") else Reward("def")),
             "returned a reward that cannot be used",
         ),
-        (
-            changing(lambda self, one, *_: type(one)(*vars_of(one), idea="two\nlines")),
-            "one line of text",
-        ),
         (changing(raising), "raised ValueError"),
         (changing(failing), "raised ProposalFailed in every slot"),
         (changing(failing_on_failures), "raised KeyError"),

@@ -64,7 +64,8 @@ def _model_options(manifest: Manifest) -> list[str] | None:
         return None
     words = ["--model", settings["model"]]
     if settings["server"]:
-        words = ["--base-url", settings["server"], "--model", settings["model"].partition(":")[2]]
+        name = settings["model"].removeprefix("compatible:")  # as older runs wrote it
+        words = ["--base-url", settings["server"], "--model", name]
     words += [] if settings["diversity"] else ["--no-diversity"]
     words += ["--vision"] if settings["vision"] else []
     plain = LLMSettings()

