@@ -114,7 +114,9 @@ def test_settings_that_no_option_reaches_have_no_command() -> None:
     ("changed", "words"),
     [
         ({}, "--model ollama:m"),
-        ({"server": "http://here/v1"}, "--base-url http://here/v1 --model m"),
+        ({"server": "http://here/v1"}, "--base-url http://here/v1 --model ollama:m"),
+        ({"server": "http://here", "model": "m:8b"}, "--base-url http://here --model m:8b"),
+        ({"server": "http://here", "model": "compatible:m"}, "--base-url http://here --model m"),
         ({"diversity": False, "vision": True}, "--model ollama:m --no-diversity --vision"),
         ({"repairs": 5}, "--model ollama:m --repairs 5"),
         ({"replayed": "content"}, None),
