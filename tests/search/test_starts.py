@@ -10,9 +10,11 @@ from fakes import CountingDesigner, context_of, evaluation
 
 from robomore.designers.started import StartedDesigner
 from robomore.errors import InputError
+from robomore.experiment.starting import checked_starts
 from robomore.plan import Plan, Stage
 from robomore.search import METHODS, make_method
 from robomore.search.starts import usable
+from robomore.tasks import get_task
 from robomore.types import Evaluation, MethodSettings, Morphology, Reward, Slot, Start, Trial
 
 THICK = Morphology((1.0, 1.0, 1.0, 0.2, 0.2, 0.2), "given (mine.json)")
@@ -49,6 +51,24 @@ def test_a_method_without_designer_tries_given_morphologies_first(name: str) -> 
     plain = Measured()
     make_method(MethodSettings(name)).run(CountingDesigner(), plain, context_of("swimmer", 12))
     assert THICK not in [trial.design.morphology for trial in plain.trials]
+
+
+def test_named_starts_are_the_reference_and_its_thinnest_valid_version() -> None:
+    task = get_task("half-cheetah")
+    reference = checked_starts(task, ["reference"])[0].morphology
+    assert reference and reference.parameters == task.reference
+    slim = checked_starts(task, ["slim-reference"])[0].morphology
+    assert slim
+    changed = [
+        (now / before, name)
+        for name, now, before in zip(task.names, slim.parameters, task.reference, strict=True)
+        if now != before
+    ]
+    assert changed and all("radius" in name for _, name in changed)
+    scales = [scale for scale, _ in changed]
+    assert max(scales) - min(scales) < 0.01 and max(scales) < 0.6
+    with pytest.raises(InputError, match=r"'slim'; give .* one of the names reference, slim-ref"):
+        checked_starts(task, ["slim"])
 
 
 def test_a_designer_s_first_places_are_given_ones_and_the_rest_its_own() -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 from robomore.errors import InputError, InvalidReward
 from robomore.plain_files import cannot_write
+from robomore.search.named_starts import NAMED_STARTS, named_start
 from robomore.tasks import Task
 from robomore.types import Morphology, Reward, Start
 
@@ -83,12 +84,14 @@ def read_start(task: Task, given: str) -> Start:
     Args:
         task: of the search.
         given: a JSON file with parameters, a Python file with a reward, the folder of a run (its
-            champion is meant), or the folder of one design.
+            champion is meant), the folder of one design, or one of `NAMED_STARTS`.
 
     Raises:
         InputError: there is nothing of that kind.
         InvalidMorphology, InvalidReward: as `read_parameters` and `read_reward`.
     """
+    if given in NAMED_STARTS:
+        return named_start(task, given)
     path = Path(given)
     if (path / "run.json").is_file():
         from robomore.experiment.starting import champion_of
@@ -105,7 +108,8 @@ def read_start(task: Task, given: str) -> Start:
         return Start(given, Morphology(read_parameters(task, given)))
     raise InputError(
         f"--start-from {given} is nothing to start from; name a .json file with parameters, a .py "
-        "file with a reward, the folder of a run, or a folder with design.json and reward.py"
+        "file with a reward, the folder of a run, a folder with design.json and reward.py, or "
+        f"write {' or '.join(NAMED_STARTS)}"
     )
 
 

@@ -55,7 +55,8 @@ class Search:
         Control steps of training that the search may use. The final comes on top.
     start_from
         What the search starts from besides the reference design: a JSON file with parameters, a
-        Python file with a reward, or the folder of a run (its champion) or of a design. May be
+        Python file with a reward, the folder of a run (its champion) or of a design, or the word
+        `reference` or `slim-reference` (the reference with its radii at their thinnest). May be
         given several times.
     time_limit
         Time after which nothing new is started: `90s`, `30m` or `2h`. The run then ends with the

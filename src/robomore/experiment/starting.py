@@ -8,11 +8,13 @@ from dataclasses import replace
 from robomore.errors import InputError, InvalidMorphology
 from robomore.rewards.check import check_reward
 from robomore.runs import Run
+from robomore.search.named_starts import NAMED_STARTS, named_start
 from robomore.tasks import Task
 from robomore.types import Design, Morphology, Reward, Start
 
-Given = Start | Design | Morphology | Reward | Run
-"""What a search can start from: one's own values, or the champion of an earlier run."""
+Given = Start | Design | Morphology | Reward | Run | str
+"""What a search can start from: one's own values, the champion of an earlier run, or a name of
+`NAMED_STARTS`."""
 
 
 def checked_starts(task: Task, given: Sequence[Given]) -> tuple[Start, ...]:
@@ -59,9 +61,12 @@ def _as_start(task: Task, given: Given, name: str) -> Start:
             return Start(name, reward=given)
         case Run():
             return champion_of(task, given)
+        case str() if given in NAMED_STARTS:
+            return named_start(task, given)
+    what = repr(given) if isinstance(given, str) else f"a {type(given).__name__}"
     raise InputError(
-        f"a search cannot start from a {type(given).__name__}; give a Design, a Morphology, a "
-        "Reward or a Run"
+        f"a search cannot start from {what}; give a Design, a Morphology, a Reward, a Run, or one "
+        f"of the names {', '.join(NAMED_STARTS)}"
     )
 
 

@@ -14,9 +14,14 @@ SLIM = "slim-reference"
 
 
 def _arms() -> tuple[Arm, ...]:
-    """Return every method that searches; the presets' own keeps their options for it."""
+    """Return every method that searches, and `robomore` from the slimmed human design.
+
+    The presets' own method keeps their options for it.
+    """
     names = [name for name in METHODS if name != GIVEN]
-    return tuple(Arm(name, {} if name == "robomore" else {"method": name}) for name in names)
+    own = [Arm(name, {} if name == "robomore" else {"method": name}) for name in names]
+    # What a user would do who knows the slimmed human design: begin with it.
+    return (*own, Arm(f"robomore-from-{SLIM}", start_from=(SLIM,)))
 
 
 def _slim(results: Results) -> dict[str, float]:

@@ -51,7 +51,7 @@ def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> li
         settings = arm.settings(plain)
         method = settings.method
         options = from_options(METHODS.get(method.name).Settings, method.options, method.name)
-        whole = method.name, options, replace(settings, method=plain.method)
+        whole = method.name, options, arm.start_from, replace(settings, method=plain.method)
         if all(whole != other for other, _ in arms):
             arms.append((whole, arm))
     found = []
@@ -127,6 +127,7 @@ def run_study(
                         containment=containment,
                         observe=observe,
                         name=f"{study.name}-{cell.arm.name}",
+                        start_from=cell.arm.start_from,
                     )
                 except NothingTrained:
                     # Its ledger tells why; the tables tell how many runs found something.
@@ -205,9 +206,11 @@ def _finished(cell: Cell, folder: Path) -> Run | None:
     except RunFolderError:
         return None
     manifest = found.manifest
-    same = (manifest.task, manifest.seed, manifest.settings) == (
+    starts = tuple(start.origin for start in manifest.starts)
+    same = (manifest.task, manifest.seed, manifest.settings, starts) == (
         cell.task,
         cell.seed,
         cell.settings,
+        cell.arm.start_from,
     )
     return found if same and found.final and not found.task_changes else None

@@ -27,10 +27,12 @@ class Arm:
     Attributes:
         name: in tables and folders.
         options: of `robomore.options.with_options`, over the settings of the study.
+        start_from: names of `robomore.search.named_starts`, from which its searches start.
     """
 
     name: str
     options: Mapping[str, Any] = field(default_factory=dict)
+    start_from: tuple[str, ...] = ()
 
     def settings(self, plain: RunSettings) -> RunSettings:
         """Return the settings of this arm's runs."""
