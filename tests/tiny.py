@@ -21,7 +21,15 @@ TINY = RunSettings(
         },
     ),
     # Small and eager: it need not get far, only somewhere.
-    trainer=TrainerSettings("crossq", {"net_arch": [32], "batch_size": 32, "learning_starts": 256}),
+    trainer=TrainerSettings(
+        "crossq",
+        {
+            "net_arch": [32],
+            "batch_size": 32,
+            "learning_starts": 256,
+            "num_eval_checkpoints": 1,
+        },
+    ),
     candidate=Budget(steps=768, episodes=2),
     final=FinalSettings(steps=512, episodes=1, seeds=1),
     evaluations=2,

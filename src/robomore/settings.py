@@ -72,7 +72,7 @@ def smoke() -> RunSettings:
     sizes = {"morphologies": 2, "rewards": 2, "survivors": 0.25, "max_cycles": 1}
     return RunSettings(
         method=MethodSettings(ROBOMORE, sizes),
-        trainer=TrainerSettings("crossq", {"learning_starts": 512}),
+        trainer=TrainerSettings("crossq", {"learning_starts": 512, "num_eval_checkpoints": 1}),
         candidate=Budget(steps=2_048, episodes=2),
         final=FinalSettings(steps=2_048, episodes=2, seeds=1),
         evaluations=4,

@@ -15,12 +15,17 @@ from robomore.training.crossq import CrossQ
 from robomore.training.loop import TrainingRun
 
 _COMPILES = """
-from robomore.training.compilation import use_cache
-from robomore.training.threads import use_one_thread
-use_one_thread()
-use_cache()
-import jax
-jax.jit(lambda x: 2 * x + 1)(3.0)
+import sys
+import numpy as np
+from robomore.training.compilation import compiled
+
+def double(x):
+    print("traced")
+    return 2 * x + float(sys.argv[1])
+
+x = np.arange(3, dtype=np.float32)
+print(compiled("double " + sys.argv[1], double, x)(x))
+print(compiled("double " + sys.argv[1], double, x)(x))
 """
 
 
@@ -37,9 +42,19 @@ def test_training_uses_no_more_than_one_core() -> None:
 
 def test_compiled_programs_are_kept(tmp_path: Path) -> None:
     environment = {**os.environ, CACHE_VARIABLE: str(tmp_path)}
-    subprocess.run([sys.executable, "-c", _COMPILES], env=environment, check=True)
-    kept = sorted(tmp_path.iterdir())
-    assert kept
-    written = [path.stat().st_mtime_ns for path in kept]
-    subprocess.run([sys.executable, "-c", _COMPILES], env=environment, check=True)
-    assert [path.stat().st_mtime_ns for path in sorted(tmp_path.iterdir())] == written
+
+    def printed(offset: int) -> list[str]:
+        command = [sys.executable, "-c", _COMPILES, str(offset)]
+        done = subprocess.run(
+            command, env=environment, check=True, stdout=subprocess.PIPE, text=True
+        )
+        return done.stdout.splitlines()
+
+    assert printed(1) == ["traced", "[1. 3. 5.]", "[1. 3. 5.]"]
+    assert len(list(tmp_path.iterdir())) == 1
+    assert printed(1) == ["[1. 3. 5.]", "[1. 3. 5.]"], "not traced again"
+    assert printed(2) == ["traced", "[2. 4. 6.]", "[2. 4. 6.]"], "another function"
+    for half in tmp_path.iterdir():
+        half.write_bytes(half.read_bytes()[:1000])
+    assert printed(2) == ["traced", "[2. 4. 6.]", "[2. 4. 6.]"], "the writer was killed"
+    assert printed(2) == ["[2. 4. 6.]", "[2. 4. 6.]"]

@@ -1,33 +1,93 @@
-"""Compiling once in a run instead of once in a training: JAX's cache of compiled programs on disk.
+"""Compiling once in a run instead of once in a training: a folder of compiled programs.
 
-What is read from the cache is machine code. So only a process that runs no untrusted code fills it
+Tracing, lowering and compiling a round takes longer than a short training. So the finished program
+is kept, as JAX serialises it, and the next process loads it (`benchmarks/candidate.py`).
+
+What is loaded is machine code. So only a process that runs no untrusted code fills the folder
 (`Trainer.prepare`), and it is read-only for a process that does.
 """
 
 from __future__ import annotations
 
 import os
+import pickle
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robomore.identity import content_key
 
 CACHE_VARIABLE = "ROBOMORE_CACHE"
 """Environment variable that names the folder; without it every process compiles for itself."""
 
+_ENDING = ".program"
 
-def use_cache() -> None:
-    """Let JAX read compiled programs from the folder that the environment names, and add to it."""
-    folder = os.environ.get(CACHE_VARIABLE)
-    if not folder:
-        return
 
+def compiled(name: str, function: Callable[..., Any], *arguments: Any) -> Any:
+    """Return `function` compiled for arguments like these; the first argument is overwritten.
+
+    It is read from the folder that the environment names. What is not there yet is compiled, and
+    kept there if that is allowed.
+
+    Args:
+        name: tells all that `function` depends on besides its arguments and this package's code.
+        function: of trees of arrays, as `jax.jit` takes it.
+        arguments: only their shapes and types count.
+    """
     import jax
 
-    options = {
-        "jax_compilation_cache_dir": str(Path(folder).absolute()),
-        # By default only what took a second to compile is kept.
-        "jax_persistent_cache_min_compile_time_secs": 0.0,
-        "jax_persistent_cache_min_entry_size_bytes": -1,
-        # Paths of autotuning results and kernels are of no use here and would enter the keys.
-        "jax_persistent_cache_enable_xla_caches": "none",
-    }
-    for name, value in options.items():
-        jax.config.update(name, value)  # type: ignore[no-untyped-call]
+    shapes = [
+        (np.shape(leaf), str(getattr(leaf, "dtype", type(leaf))))
+        for leaf in jax.tree.leaves(arguments)
+    ]
+    device = jax.devices()[0]
+    facts = (jax.__version__, device.platform, device.device_kind, os.environ.get("XLA_FLAGS"))
+    key = content_key(name, shapes, facts, training_code())
+    if key not in _loaded:
+        _loaded[key] = _read(key) or _make(key, function, arguments)
+    return _loaded[key]
+
+
+_loaded: dict[str, Any] = {}
+
+
+@cache
+def training_code() -> str:
+    """Return a digest of this package's code, from which the programs are made."""
+    files = sorted(Path(__file__).parent.glob("*.py"))
+    return content_key([(path.name, path.read_text(encoding="utf-8")) for path in files])
+
+
+def _path(key: str) -> Path | None:
+    folder = os.environ.get(CACHE_VARIABLE)
+    return Path(folder) / f"{key}{_ENDING}" if folder else None
+
+
+def _read(key: str) -> Any:
+    from jax.experimental import serialize_executable
+
+    path = _path(key)
+    if path is None:
+        return None
+    try:
+        kept = pickle.loads(path.read_bytes())
+    except (OSError, EOFError, pickle.UnpicklingError):
+        return None  # There is none, or whoever wrote it was killed.
+    return serialize_executable.deserialize_and_load(*kept)
+
+
+def _make(key: str, function: Callable[..., Any], arguments: Any) -> Any:
+    import jax
+    from jax.experimental import serialize_executable
+
+    program = jax.jit(function, donate_argnums=0).lower(*arguments).compile()
+    path = _path(key)
+    if path:
+        # A process that may only read the folder has compiled for itself.
+        with suppress(OSError):
+            path.write_bytes(pickle.dumps(serialize_executable.serialize(program)))
+    return program

@@ -7,7 +7,7 @@ round are one compiled scan.
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -31,6 +31,7 @@ from robomore.training.actor_critic import (
     split_rows,
     update_alpha,
 )
+from robomore.training.compilation import compiled
 from robomore.training.gaussian import sample
 from robomore.training.loop import Layers, OffPolicyTrainer
 from robomore.training.networks import Folded, Layer, Moments, Sizes
@@ -92,8 +93,12 @@ class CrossQ(OffPolicyTrainer):
     ) -> tuple[TrainState, Layers, dict[str, float]]:
         """Do one round of gradient steps in one compiled call; see `OffPolicyTrainer`."""
         numbers = np.arange(done, done + len(rows), dtype=np.int32)
-        do_round = _compiled(self.settings, done >= self.settings.renorm_warmup_steps)
-        state, folded, losses = do_round(state, rows, noise, numbers)
+        late = done >= self.settings.renorm_warmup_steps
+        given = state, rows, noise, numbers
+        do_round = compiled(
+            f"crossq {late} {self.settings}", partial(_round, self.settings, late), *given
+        )
+        state, folded, losses = do_round(*given)
         layers = [(np.asarray(weight), np.asarray(bias)) for weight, bias in folded]
         means = {name: float(value) for name, value in losses.items()}
         # The actor learns in some of the steps alone, and has no loss in the others.
@@ -101,11 +106,6 @@ class CrossQ(OffPolicyTrainer):
         if times := np.count_nonzero(numbers % self.settings.policy_delay == 0):
             means["loss/actor"] = of_actor / float(times)
         return state, layers, means
-
-
-@lru_cache
-def _compiled(settings: CrossQSettings, renormalise: bool) -> Any:
-    return jax.jit(partial(_round, settings, renormalise), donate_argnums=0)
 
 
 def _round(

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from robomore.errors import TrainingDiverged
 from robomore.training.checkpoint import Checkpoint, checkpoint_of, save_checkpoint
-from robomore.training.compilation import use_cache
 from robomore.training.curve import CurveRecorder
 from robomore.training.gaussian import explore
 from robomore.training.policy import MLPPolicy
@@ -54,7 +53,6 @@ class OffPolicyTrainer(ABC):
             settings: of the algorithm, a kind of `LoopSettings`.
         """
         use_one_thread()
-        use_cache()
         self.settings = settings
 
     @abstractmethod

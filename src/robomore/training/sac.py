@@ -6,7 +6,7 @@ entropy is learnt. All gradient steps of a round are one compiled scan.
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -30,6 +30,7 @@ from robomore.training.actor_critic import (
     split_rows,
     update_alpha,
 )
+from robomore.training.compilation import compiled
 from robomore.training.gaussian import sample
 from robomore.training.loop import Layers, OffPolicyTrainer
 from robomore.training.networks import Folded
@@ -90,14 +91,11 @@ class SAC(OffPolicyTrainer):
         self, state: TrainState, rows: NDArray[np.float32], noise: NDArray[np.float32], done: int
     ) -> tuple[TrainState, Layers, dict[str, float]]:
         """Do one round of gradient steps in one compiled call; see `OffPolicyTrainer`."""
-        state, acting, losses = _compiled(self.settings)(state, rows, noise)
+        given = state, rows, noise
+        do_round = compiled(f"sac {self.settings}", partial(_round, self.settings), *given)
+        state, acting, losses = do_round(*given)
         layers = [(np.asarray(weight), np.asarray(bias)) for weight, bias in acting]
         return state, layers, {name: float(value) for name, value in losses.items()}
-
-
-@lru_cache
-def _compiled(settings: SACSettings) -> Any:
-    return jax.jit(partial(_round, settings), donate_argnums=0)
 
 
 def _round(

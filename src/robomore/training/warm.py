@@ -1,9 +1,8 @@
 """Compiling once what every candidate of a run would compile again.
 
 What a trainer compiles depends on its settings and on the sizes of observation and action, never
-on a design. So a process that runs no untrusted code prepares the trainer once, with JAX's
-compilation cache switched on. The candidates' processes then read that cache and may not write to
-it.
+on a design. So a process that runs no untrusted code prepares the trainer once, and leaves what it
+compiled in a folder. The candidates' processes then read that folder and may not write to it.
 """
 
 from __future__ import annotations
