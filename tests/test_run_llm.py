@@ -221,6 +221,7 @@ def test_only_runs_of_a_model_can_be_replayed(tmp_path: Path) -> None:
     assert not (tmp_path / "again").exists()
 
 
+@pytest.mark.exhaustive  # The next one is killed too, and its server fails besides.
 def test_a_run_killed_again_and_again_pays_for_nothing_twice(drafted: Path, tmp_path: Path) -> None:
     program = textwrap.dedent(
         """

@@ -11,6 +11,7 @@ from refusals import Command, Said
 
 from robomore.cli.app import main
 from robomore.evaluation import evaluator
+from robomore.report import page
 from shared import made_once
 
 
@@ -41,6 +42,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def robomore_(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
     """Run a command in this process, with made-up evaluations in its workers."""
     monkeypatch.setattr(evaluator, "_WORK", "quick_run:made_up")
+    monkeypatch.setattr(page, "recorded", lambda run, key, name: None)  # it takes seconds
     monkeypatch.setenv("PYTHONPATH", environment()["PYTHONPATH"])
 
     def call(*arguments: str | Path) -> Said:

@@ -26,7 +26,7 @@ def places(default: int, most: int) -> list[object]:
     return [*range(default), *more]
 
 
-@pytest.mark.parametrize("place", places(10, 50))
+@pytest.mark.parametrize("place", places(5, 50))
 def test_a_damaged_file_is_refused_or_made_good(
     place: int, undisturbed: Path, tmp_path: Path, robomore_: Command
 ) -> None:
