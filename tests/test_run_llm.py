@@ -20,6 +20,7 @@ from typing import Any
 import pytest
 
 import untrained  # noqa: F401  # known as an executor once it is imported
+from exhaustive import more_of
 from llm.loopback import KEY, Script, serve
 from robomore.designers import LanguageModel, Replay
 from robomore.designers.llm.designer import LLMSettings
@@ -328,7 +329,7 @@ class Thoughtful:
         return program(f"return {number} * x_velocity, {{'speed': x_velocity}}")[1]
 
 
-@pytest.mark.parametrize("diversity", [True, False])
+@pytest.mark.parametrize("diversity", more_of([True, False], True))
 def test_side_by_side_or_in_turn_the_run_is_the_same(tmp_path: Path, diversity: bool) -> None:
     found = []
     settings = replace(SETTINGS, diversity=diversity)

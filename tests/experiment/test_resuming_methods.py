@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import untrained  # noqa: F401  # makes its executor known
+from exhaustive import more_of
 from robomore.events import Event, Finished
 from robomore.experiment import run
 from robomore.options import with_options
@@ -57,7 +58,7 @@ def test_all_methods_are_tried() -> None:
     assert set(SIZES) >= set(METHODS.names())
 
 
-@pytest.mark.parametrize("method", SIZES)
+@pytest.mark.parametrize("method", more_of(SIZES, "robomore", "bayesian", "eureka"))
 def test_a_run_that_dies_again_and_again_ends_the_same(method: str, tmp_path: Path) -> None:
     start(method, tmp_path / "whole", None)
     deaths = 0

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from exhaustive import more_of
 from robomore.events import ignore
 from robomore.executors import Outcome
 from robomore.executors.executor import Progress, never
@@ -51,7 +52,10 @@ class Shuffled(Untrained):
             yield order[place], outcome
 
 
-@pytest.mark.parametrize("method", [name for name in METHODS if name != "reference"])
+@pytest.mark.parametrize(
+    "method",
+    more_of([n for n in METHODS if n != "reference"], "robomore", "cmaes", "eureka-morphology"),
+)
 def test_a_method_finds_the_same_whatever_the_order_of_answers(method: str, tmp_path: Path) -> None:
     options = SCREENED if method == "robomore" else {}
     settings = with_options(SMALL, method=method, method_options=options)

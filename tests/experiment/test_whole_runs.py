@@ -14,6 +14,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from exhaustive import more_of
 from faults.quick_run import SMOKE, command, ended, environment
 from faults.run_state import rows
 from robomore.errors import RunFolderError
@@ -40,10 +41,7 @@ def test_a_run_ends_with_a_champion_and_its_files(trained_run: Path) -> None:
     assert stages == ["coarse"] * 2 + ["fine"] * 2 + ["final"] * 4
 
 
-@pytest.mark.parametrize(
-    "method",
-    ["robomore", *(pytest.param(one, marks=pytest.mark.exhaustive) for one in list(METHODS)[1:])],
-)
+@pytest.mark.parametrize("method", more_of(METHODS, "robomore"))
 def test_one_worker_gives_the_same_numbers_as_two_and_so_does_a_run_that_was_killed(
     method: str, tmp_path: Path
 ) -> None:

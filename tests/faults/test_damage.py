@@ -15,18 +15,13 @@ from quick_run import SMOKE
 from refusals import Command, facts, measured, refused
 from run_state import champion, numbers, rows
 
+from exhaustive import more_of
 from robomore.cli.trained_design import find_policies
 from robomore.errors import InputError
 from robomore.store import RunFolder
 
 
-def places(default: int, most: int) -> list[object]:
-    """Return seeds, of which those beyond the default are exhaustive."""
-    more = (pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(default, most))
-    return [*range(default), *more]
-
-
-@pytest.mark.parametrize("place", places(5, 50))
+@pytest.mark.parametrize("place", more_of(range(50), *range(5)))
 def test_a_damaged_file_is_refused_or_made_good(
     place: int, undisturbed: Path, tmp_path: Path, robomore_: Command
 ) -> None:
@@ -57,7 +52,7 @@ def test_a_damaged_file_is_refused_or_made_good(
     assert again.status == 0 or "run.json" in done or "ledger" in done, again.err
 
 
-@pytest.mark.parametrize("place", places(1, 4))
+@pytest.mark.parametrize("place", more_of(range(4), 0))
 def test_a_damaged_log_of_a_killed_run_costs_what_was_last_written(
     place: int, undisturbed: Path, tmp_path: Path, robomore_: Command
 ) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from exhaustive import more_of
 from fake_run import finished_run
 from report.large_run import large_run
 from robomore.report import write_comparison, write_report
@@ -155,8 +156,11 @@ def test_every_cell_opens_its_design_and_text_stays_text(
     page.close()
 
 
-def test_a_run_of_2000_evaluations(browser: Any, tmp_path: Path, said: list[str]) -> None:
-    large_run(tmp_path / "run")
+@pytest.mark.parametrize("rows", more_of([10, 50], 10))
+def test_a_run_of_400_or_2000_evaluations(
+    rows: int, browser: Any, tmp_path: Path, said: list[str]
+) -> None:
+    large_run(tmp_path / "run", rows)
     began = time.process_time()
     file = write_report(tmp_path / "run", tmp_path / "report.html")
     assert time.process_time() - began < 20
@@ -165,8 +169,9 @@ def test_a_run_of_2000_evaluations(browser: Any, tmp_path: Path, said: list[str]
     measured = page.watched.send("Performance.getMetrics")["metrics"]
     assert next(one["value"] for one in measured if one["name"] == "TaskDuration") < 2
     click = "dispatchEvent(new MouseEvent('click', {bubbles: true}))"
-    page.evaluate(f"document.querySelector('[data-key=pair01999]').{click}")
-    until(page, "document.querySelector('#design').dataset.shown === 'pair01999'")
+    last = f"pair{40 * rows - 1:05d}"
+    page.evaluate(f"document.querySelector('[data-key={last}]').{click}")
+    until(page, f"document.querySelector('#design').dataset.shown === '{last}'")
     page.close()
 
 
