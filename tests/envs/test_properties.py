@@ -11,10 +11,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_morphologies import at, random_body
 
+from paper import PAPER
 from robomore.envs.compile import body_facts, compile_model
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidMorphology, UnstableSimulation
-from robomore.tasks import TASKS, Task, get_task
+from robomore.tasks import Task, get_task
 from robomore.tasks.hopper import LOWEST_TORSO
 from robomore.tasks.swimmer import least_radius
 
@@ -30,7 +31,7 @@ slow = settings(
 quick = settings(max_examples=15, deadline=None, derandomize=True)
 
 
-@pytest.mark.parametrize("id", TASKS)
+@pytest.mark.parametrize("id", PAPER)
 @slow
 @given(seed=SEEDS)
 def test_any_valid_body_compiles_and_simulates(id: str, seed: int) -> None:
@@ -81,7 +82,7 @@ def test_a_thousand_steps_of_any_valid_body_are_finite_or_called_unstable(
         assert str(error)
 
 
-@pytest.mark.parametrize("id", TASKS)
+@pytest.mark.parametrize("id", PAPER)
 @quick
 @given(shares=st.lists(st.floats(0, 1), min_size=24, max_size=24))
 def test_anything_in_bounds_compiles_or_is_refused_in_words(id: str, shares: list[float]) -> None:
@@ -97,7 +98,7 @@ def test_anything_in_bounds_compiles_or_is_refused_in_words(id: str, shares: lis
     assert task.volume(checked) > 0 and np.isfinite(model.body_mass).all()
 
 
-@pytest.mark.parametrize("id", TASKS)
+@pytest.mark.parametrize("id", PAPER)
 @quick
 @given(seed=SEEDS)
 def test_facts_are_positive_and_agree(id: str, seed: int) -> None:
@@ -111,7 +112,7 @@ def test_facts_are_positive_and_agree(id: str, seed: int) -> None:
     assert facts["rest_height"] > 0 or id == "swimmer"
 
 
-@pytest.mark.parametrize("id", TASKS)
+@pytest.mark.parametrize("id", PAPER)
 @quick
 @given(seed=SEEDS)
 def test_volume_is_that_of_the_simulated_parts(id: str, seed: int) -> None:
@@ -127,7 +128,7 @@ def test_volume_is_that_of_the_simulated_parts(id: str, seed: int) -> None:
     assert task.volume(body) == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("id", TASKS)
+@pytest.mark.parametrize("id", PAPER)
 @quick
 @given(seed=SEEDS, share=st.floats(0, 1), data=st.data())
 def test_volume_grows_with_every_radius(
@@ -146,7 +147,7 @@ def test_volume_grows_with_every_radius(
     assert (volume > task.volume(body)) == (thicker > body[name])
 
 
-@pytest.mark.parametrize("id", TASKS)
+@pytest.mark.parametrize("id", PAPER)
 @quick
 @given(seed=SEEDS, by=st.floats(1e-6, 1e3), data=st.data())
 def test_outside_the_bounds_is_refused(id: str, seed: int, by: float, data: st.DataObject) -> None:
@@ -172,7 +173,7 @@ def test_nobody_is_born_unhealthy(id: str, seed: int) -> None:
     assert low <= height - noise and height + noise <= high
 
 
-@pytest.mark.parametrize("id", [id for id in TASKS if id not in ("swimmer", "half-cheetah")])
+@pytest.mark.parametrize("id", [id for id in PAPER if id not in ("swimmer", "half-cheetah")])
 @quick
 @given(seed=SEEDS)
 def test_nothing_starts_in_the_ground_or_in_itself(id: str, seed: int) -> None:

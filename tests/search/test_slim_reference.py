@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from paper import PAPER
 from robomore.errors import InputError
 from robomore.search.slim_reference import SlimReference, SlimReferenceSettings, slim
 from robomore.tasks import TASKS, get_task
@@ -14,7 +15,7 @@ from robomore.testing.methods import check_method
 PLAIN = SlimReferenceSettings()
 
 
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", PAPER)
 def test_only_the_radii_are_scaled_and_all_alike(task: str) -> None:
     chosen = TASKS[task]
     found = slim(chosen, PLAIN)

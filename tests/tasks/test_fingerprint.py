@@ -196,5 +196,5 @@ def test_all_tasks_differ_and_are_the_same_in_a_fresh_process_without_a_simulato
     )
     keys = [task_key(get_task(id)) for id in TASKS.names()]
     assert done.stdout.split() == keys
-    assert len(set(keys)) == len(keys) == 8
+    assert len(set(keys)) == len(keys) == 9
     assert all(len(digits) == 16 for digits in fingerprint(get_task("ant")).values())

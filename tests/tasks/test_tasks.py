@@ -37,7 +37,7 @@ def task(request: pytest.FixtureRequest) -> Task:
 
 
 def test_the_eight_tasks_are_there() -> None:
-    assert list(TASKS) == list(VOLUMES)
+    assert list(TASKS) == [*VOLUMES, "crawler"]
     assert all(task.id == id for id, task in TASKS.items())
 
 

@@ -8,7 +8,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.tasks.portable import FixedOptions
 from robomore.tasks.task import Task
 
 Array = NDArray[np.float64]
@@ -20,10 +19,10 @@ _FLOOR = "floor"
 
 
 def starting_pose(task: Task, model: mujoco.MjModel) -> Array:
-    """Return qpos (nq,) of a task's robot at rest: the model's own, or what the task file says."""
-    if not isinstance(task.options, FixedOptions):
+    """Return qpos (nq,) of a task's robot at rest: the model's own, or that of its options."""
+    options = task.options(dict(zip(task.names, task.reference, strict=True)))
+    if "upright" not in options:
         return np.array(model.qpos0)
-    options = task.options.options
     return rest_pose(model, options["home"], options["upright"])
 
 

@@ -103,9 +103,11 @@ def drawn(task: Task, seed: int, deviation: float) -> Morphology:
     mean = np.array(start(task) or task.reference)
     low = np.array([parameter.low for parameter in task.parameters])
     high = np.array([parameter.high for parameter in task.parameters])
+    whole = np.array([parameter.whole for parameter in task.parameters])
     size = deviation * np.maximum(np.abs(mean), LEAST_SHARE * (high - low))
     for _ in range(DRAWS):
-        values = np.clip(np.round(random.normal(mean, size), 5), low, high)
+        values = random.normal(mean, size)
+        values = np.clip(np.where(whole, np.round(values), np.round(values, 5)), low, high)
         try:
             return Morphology(task.check(values.tolist()), "drawn around the reference")
         except InvalidMorphology:

@@ -1,4 +1,4 @@
-"""All tasks by id: the eight of the paper, and those that other packages add by an entry point."""
+"""All tasks by id: the eight of the paper, `crawler`, and those of other packages' entry points."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 from robomore.errors import InputError
 from robomore.registry import Registry
 from robomore.tasks.ant import ANT, ANT_DESERT, ANT_JUMP, ANT_POWERED
+from robomore.tasks.crawler import CRAWLER
 from robomore.tasks.half_cheetah import HALF_CHEETAH
 from robomore.tasks.hopper import HOPPER
 from robomore.tasks.portable import task_from_content
@@ -28,7 +29,7 @@ SUFFIX = ".toml"
 PAPER_TASKS = (ANT, ANT_POWERED, ANT_DESERT, ANT_JUMP, HOPPER, HALF_CHEETAH, SWIMMER, WALKER)
 
 TASKS: Registry[Task] = Registry(
-    "task", "robomore.tasks", {task.id: task for task in PAPER_TASKS}, _fault
+    "task", "robomore.tasks", {task.id: task for task in (*PAPER_TASKS, CRAWLER)}, _fault
 )
 """Tasks by id. The entry-point group is `robomore.tasks`; each entry names a `Task` by its id."""
 

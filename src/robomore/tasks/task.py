@@ -15,6 +15,7 @@ from typing import Any, Literal
 from robomore.errors import InputError, InvalidMorphology
 from robomore.tasks.fitness import Fitness, as_fitness
 from robomore.tasks.geometry import Shape
+from robomore.tasks.repeats import expanded, indices
 from robomore.tasks.solids import solids
 from robomore.tasks.template import fill, names_used
 
@@ -41,6 +42,7 @@ class Parameter:
         scale: how a search should step through the range; `log` for sizes that span decades.
         search: lowest and highest value that samplers draw; `None` for all that is allowed. What a
             designer or a person proposes is not held to it.
+        whole: whether only whole numbers are allowed, for a count.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Parameter:
     unit: str = "m"
     scale: Literal["linear", "log"] = "linear"
     search: tuple[float, float] | None = None
+    whole: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +105,8 @@ class Task:
             (`robomore.tasks.measures`), such as `distance` or `height`, or a `Fitness` of several
             or of one's own. `goal` is the same as a `Fitness`.
         template: MJCF text whose `{...}` placeholders are arithmetic over parameter names and
-            `constants`. The same text, unfilled, is what a designer sees.
+            `constants`; parts may be repeated (`robomore.tasks.repeats`). The same text, unfilled,
+            is what a designer sees.
         parameters: the free dimensions, in order.
         rules: conditions between parameters that refuse what cannot be simulated.
         search_rules: further conditions that samplers keep to, such as proportions that are worth
@@ -149,7 +153,7 @@ class Task:
         known = {*self.names, *self.constants}
         try:
             as_fitness(self.fitness)
-            unknown = sorted(names_used(self.template) - known)
+            unknown = sorted(names_used(self.template) - known - indices(self.template))
         except (InputError, ValueError) as error:
             raise InputError(f"{self.id}: {error}") from None
         files = [name for name in _FILE.findall(self.template) if name not in self.assets]
@@ -198,6 +202,8 @@ class Task:
                     f"{parameter.name} = {value:g} {parameter.unit} is outside "
                     f"[{parameter.low:g}, {parameter.high:g}]"
                 )
+            elif parameter.whole and value != round(value):
+                faults.append(f"{parameter.name} = {value:g} is a count; give a whole number")
         if not faults:
             named = dict(zip(self.names, values, strict=True))
             faults = [fault for rule in self.rules if (fault := rule.violation(named))]
@@ -230,16 +236,19 @@ class Task:
         """Return the solids that make up the robot, for parameters by name, valid or not."""
         if self.shapes is not None:
             return self.shapes(values)
-        return solids(self.template, {**self.constants, **values}, self.mesh_volumes)
+        values = {**self.constants, **values}
+        return solids(expanded(self.template, values), values, self.mesh_volumes)
 
     def mjcf(self, parameters: Sequence[float] | Mapping[str, float]) -> str:
         """Return the MJCF text of one morphology, without a terrain's elevations."""
-        return fill(self.template, {**self.constants, **self.named(parameters)})
+        values = {**self.constants, **self.named(parameters)}
+        return fill(expanded(self.template, values), values)
 
     @property
     def masked_mjcf(self) -> str:
         """MJCF text as designers see it: parameters as placeholders, constants as numbers."""
-        text = fill(self.template, dict(self.constants), keep=set(self.names))
+        kept = {*self.names, *indices(self.template)}
+        text = fill(self.template, dict(self.constants), keep=kept)
         # How much a mesh is scaled tells how large it is in its file.
         return _MESH_SCALE.sub(r'\1 scale="follows the parameters"', text)
 
@@ -268,3 +277,16 @@ class Task:
             return tuple(float(value) for value in parameters)
         except (TypeError, ValueError) as error:
             raise InvalidMorphology(f"{self.id}: a parameter is not a number ({error})") from None
+
+
+def with_counts(task: Task, counts: Sequence[float]) -> Task:
+    """Return a task whose template has numbers in the place of its counts, and no repeats.
+
+    Args:
+        task: with parameters that are whole numbers.
+        counts: values of these, in the task's order.
+    """
+    names = [one.name for one in task.parameters if one.whole]
+    known = {**task.constants, **dict(zip(names, counts, strict=True))}
+    template = fill(expanded(task.template, known), known, keep=set(task.names) - set(names))
+    return replace(task, template=template)

@@ -1,7 +1,8 @@
 """MJCF templates: `{placeholders}` that are small arithmetic over parameter names.
 
 A template stays readable as a robot (`pos="{hip_x} {-hip_y} 0"`) and needs no code beside it. Text
-in braces is parsed and only numbers, names, + - * / **, sqrt, abs, min and max are evaluated.
+in braces is parsed and only numbers, names, + - * / **, sqrt, abs, min, max, sin and cos (of
+radians) are evaluated.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from importlib.resources import files
 
-_PLACEHOLDER = re.compile(r"\{([^{}]+)\}")
+PLACEHOLDER = re.compile(r"\{([^{}]+)\}")
 _BINARY: dict[type, Callable[[float, float], float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -26,6 +27,8 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs,
     "min": min,
     "max": max,
+    "sin": math.sin,
+    "cos": math.cos,
 }
 
 
@@ -54,12 +57,12 @@ def fill(template: str, values: Mapping[str, float], keep: Collection[str] = ())
         # repr keeps every digit, so the same parameters always give the same text.
         return repr(float(evaluate(tree, values)))
 
-    return _PLACEHOLDER.sub(replace, template)
+    return PLACEHOLDER.sub(replace, template)
 
 
 def names_used(template: str) -> set[str]:
     """Return the names that the placeholders of `template` refer to."""
-    trees = (parse(text) for text in _PLACEHOLDER.findall(template))
+    trees = (parse(text) for text in PLACEHOLDER.findall(template))
     names = {node.id for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)}
     return names - set(FUNCTIONS)
 

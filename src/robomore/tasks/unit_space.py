@@ -36,6 +36,7 @@ class UnitSpace:
         self._low = np.array([parameter.low for parameter in task.parameters])
         self._high = np.array([parameter.high for parameter in task.parameters])
         self._log = np.array([parameter.scale == "log" for parameter in task.parameters])
+        self._whole_number = np.array([parameter.whole for parameter in task.parameters])
         self._start = self._stretch(self._low)
         self._width = self._stretch(self._high) - self._start
 
@@ -48,7 +49,8 @@ class UnitSpace:
         """Return the parameter values (n, size) of points, rounded and within the bounds."""
         stretched = self._start + np.clip(units, 0, 1) * self._width
         values = np.where(self._log, np.exp(np.where(self._log, stretched, 0)), stretched)
-        return np.clip(np.round(values, DECIMALS), self._low, self._high)
+        rounded = np.where(self._whole_number, np.round(values), np.round(values, DECIMALS))
+        return np.clip(rounded, self._low, self._high)
 
     def valid(self, values: Array) -> NDArray[np.bool_]:
         """Return which rows (n,) of the parameter values (n, size) a sampler may propose."""
@@ -61,7 +63,8 @@ class UnitSpace:
     @cached_property
     def radii(self) -> NDArray[np.bool_]:
         """Which parameters (size,) set a solid's radius, found by a small change of each one."""
-        centre = np.full(self.size, 0.5)
+        # Of a robot with all the parts that it can have.
+        centre = np.where(self._whole_number, 1.0, 0.5)
         changed = self.values(np.vstack((centre, centre + 0.01 * np.eye(self.size))))
         # Unlike `Task.named`, the shapes take values that break the task's rules.
         named = (dict(zip(self.task.names, row, strict=True)) for row in changed.tolist())

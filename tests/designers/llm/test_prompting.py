@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import pytest
 from measured import body, evaluation, reward
 
+from paper import PAPER
 from robomore.designers.llm.designer import LLMSettings
 from robomore.designers.llm.estimate import estimate
 from robomore.designers.llm.history import HistorySettings
@@ -29,10 +30,10 @@ from robomore.envs.robots import environment_class
 from robomore.envs.source import environment_source
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
-from robomore.tasks import TASKS, Task, get_task
+from robomore.tasks import Task, get_task
 from robomore.types import Morphology, Reward
 
-EACH = pytest.mark.parametrize("task", [get_task(name) for name in TASKS], ids=list(TASKS))
+EACH = pytest.mark.parametrize("task", [get_task(name) for name in PAPER], ids=PAPER)
 SWIMMER = get_task("swimmer")
 FILES = sorted(p.name for p in (resources.files("robomore.designers.llm") / "prompts").iterdir())
 
@@ -247,7 +248,7 @@ def test_missing_and_unused_fields_are_errors() -> None:
     with pytest.raises(ValueError, match="no field extra"):
         render("repair", errors="x", extra="y")
     assert "$" not in "".join(
-        text_of(task, kind) for task in map(get_task, TASKS) for kind in ("morphology", "reward")
+        text_of(task, kind) for task in map(get_task, PAPER) for kind in ("morphology", "reward")
     )
 
 

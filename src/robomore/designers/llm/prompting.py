@@ -103,7 +103,12 @@ def repair_message(errors: Sequence[str]) -> Message:
 def morphology_schema(task: Task) -> dict[str, Any]:
     """Return the JSON schema of a morphology with the bounds of its parameters."""
     numbers = {
-        p.name: {"type": "number", "minimum": p.low, "maximum": p.high} for p in task.parameters
+        p.name: {
+            "type": "integer" if p.whole else "number",
+            "minimum": int(p.low) if p.whole else p.low,
+            "maximum": int(p.high) if p.whole else p.high,
+        }
+        for p in task.parameters
     }
     return {
         "title": "morphology",

@@ -19,7 +19,14 @@ from robomore.designers.offline.rest_pose import RestPose
 Array = NDArray[np.float64]
 
 _FUNCTIONS: dict[str, Callable[..., Any]]
-_FUNCTIONS = {"sqrt": np.sqrt, "abs": np.abs, "min": np.minimum, "max": np.maximum}
+_FUNCTIONS = {
+    "sqrt": np.sqrt,
+    "abs": np.abs,
+    "min": np.minimum,
+    "max": np.maximum,
+    "sin": np.sin,
+    "cos": np.cos,
+}
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: np.add,
     ast.Sub: np.subtract,

@@ -8,7 +8,7 @@ efficiency is expected to be 2.7 times lower.
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from robomore.designers.offline.batched_kinematics import BatchedKinematics
 from robomore.designers.offline.rest_pose import RestPose
 from robomore.tasks.geometry import Shape
-from robomore.tasks.task import Task
+from robomore.tasks.repeats import repeats
+from robomore.tasks.task import Task, with_counts
 from robomore.tasks.unit_space import UnitSpace
 
 log = logging.getLogger(__name__)
@@ -45,12 +46,18 @@ LOW_HEIGHT = 0.3
 
 
 class PlausibilityPrior:
-    """Rates morphologies of one task without simulating them."""
+    """Rates morphologies of one task without simulating them.
+
+    Where the number of parts is free, robots of equal numbers are rated together.
+    """
 
     def __init__(self, task: Task) -> None:
+        self._of_structure: dict[tuple[float, ...], PlausibilityPrior] = {}
         self._task = task
         self._space = UnitSpace(task)
         self._kinematics: BatchedKinematics | None = None
+        if repeats(task.template):
+            return
         try:
             self._kinematics = BatchedKinematics(task.template, task.constants)
         except ValueError as error:
@@ -60,6 +67,8 @@ class PlausibilityPrior:
 
     def log_efficiency(self, values: Array) -> Array:
         """Return the expected log efficiency (n,), up to a constant, of valid rows (n, size)."""
+        if repeats(self._task.template):
+            return self._by_structure(values, PlausibilityPrior.log_efficiency)
         lengths, radii, volumes = self._solids(values)
         merit = -VOLUME_GAIN * np.log(volumes) - self._penalty_of_solids(values, lengths, radii)
         if (pose := self._rest_pose(values)) is not None:
@@ -74,11 +83,25 @@ class PlausibilityPrior:
 
         Volume and size do not count.
         """
+        if repeats(self._task.template):
+            return self._by_structure(values, PlausibilityPrior.penalty)
         lengths, radii, _ = self._solids(values)
         penalty = self._penalty_of_solids(values, lengths, radii)
         if (pose := self._rest_pose(values)) is not None:
             penalty += _penalty_of_pose(pose)
         return penalty
+
+    def _by_structure(
+        self, values: Array, rate: Callable[[PlausibilityPrior, Array], Array]
+    ) -> Array:
+        whole = [index for index, one in enumerate(self._task.parameters) if one.whole]
+        found = np.empty(len(values))
+        for counts in {tuple(row) for row in values[:, whole].tolist()}:
+            if counts not in self._of_structure:
+                self._of_structure[counts] = PlausibilityPrior(with_counts(self._task, counts))
+            alike = (values[:, whole] == counts).all(axis=1)
+            found[alike] = rate(self._of_structure[counts], values[alike])
+        return found
 
     def _rest_pose(self, values: Array) -> RestPose | None:
         if self._kinematics is None:

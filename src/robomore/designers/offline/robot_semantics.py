@@ -10,7 +10,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from robomore.tasks.task import Task
+from robomore.tasks.repeats import repeats
+from robomore.tasks.task import Task, with_counts
 
 _SIZES = {"free": (7, 6), "ball": (4, 3), "slide": (1, 1), "hinge": (1, 1)}
 """Numbers that a joint adds to `qpos` and to `qvel`."""
@@ -55,6 +56,10 @@ class _Joint:
 
 def robot_semantics(task: Task) -> RobotSemantics:
     """Return what a reward can read on the robot of `task`."""
+    structured = repeats(task.template)
+    if structured:
+        counts = [one.reference for one in task.parameters if one.whole]
+        task = with_counts(task, counts)
     world = ET.fromstring(task.template).find("worldbody")
     torso = None if world is None else world.find("body")
     if torso is None:
@@ -66,6 +71,11 @@ def robot_semantics(task: Task) -> RobotSemantics:
     if driven:
         found["rates"] = _indexed("self.data.qvel", [joint.velocity for joint in driven])
         found["angles"] = _indexed("self.data.qpos", [joint.position for joint in driven])
+    if structured and driven == joints[len(own) :]:
+        # Only what holds for any number of legs.
+        found["rates"] = f"self.data.qvel[{driven[0].velocity}:]"
+        found["angles"] = f"self.data.qpos[{driven[0].position}:]"
+        driven = []
     moved = {joint.name for joint in driven}
     legs = [
         [joint for joint in joints if joint.name in _names(_joints(child)) & moved]
