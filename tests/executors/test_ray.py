@@ -16,10 +16,12 @@ import pytest
 from ray_cluster import command, memory_holds, ray_cluster, ray_processes, until_none_is_left
 
 from robomore import load_run
+from robomore.errors import InputError
 from robomore.events import Event, Finished
 from robomore.executors import Done, Failed
 from robomore.executors.executor import Carry, RemoteExecutor
 from robomore.executors.ray import Ray
+from robomore.executors.ray_cluster import connect
 from robomore.options import with_options
 from robomore.settings import RunSettings, preset, with_method
 from robomore.studies import Arm, Study
@@ -55,6 +57,22 @@ def executor(cluster: Any) -> Iterator[Ray]:
     """Joins the cluster once the contract has been checked: a process is in one at most."""
     with closing(Ray(None, cluster.address)) as made:
         yield made
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("127.0.0.1:1", "nothing answers there"),
+        ("somewhere", "it is no HOST:PORT"),
+        ("127.0.0.1:99999", "it is no HOST:PORT"),
+        ("ray://127.0.0.1:10001", "Ray's client protocol is not used"),
+    ],
+)
+def test_an_address_without_a_cluster_is_refused_at_once(address: str, said: str) -> None:
+    began = time.monotonic()
+    with pytest.raises(InputError, match=f"--ray-address {address}: {said}"):
+        connect(address)
+    assert time.monotonic() - began < 30
 
 
 def outcomes(executor: Ray, name: str, payloads: list[bytes]) -> list[object]:

@@ -11,6 +11,7 @@ import importlib
 import logging
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -25,6 +26,8 @@ from robomore.executors.worker_process import clean_environment
 log = logging.getLogger(__name__)
 
 _MODE = "RAY_AUTH_MODE"
+_PATIENCE = 10.0
+"""Seconds until a machine that does not answer is taken to be none of a cluster."""
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _PASSED_ON = ("RAY_", "CUDA_", "NVIDIA_")
 """Variables that a local cluster gets besides those of the allow-list."""
@@ -80,6 +83,8 @@ def connect(address: str | None) -> None:
             f"--ray-address {address}: Ray's client protocol is not used; run on a machine of the "
             "cluster, and give `auto` or HOST:PORT"
         )
+    if address not in (None, "auto"):
+        _refuse_silent(address)
     if os.environ.get(_MODE, "token") == "disabled":
         raise InputError(
             f"{_MODE}=disabled lets anybody run programs on the cluster; unset it, and start the "
@@ -121,6 +126,25 @@ def connect(address: str | None) -> None:
     except InputError:
         ray.shutdown()
         raise
+
+
+def _refuse_silent(address: str) -> None:
+    """Refuse an address at which nothing listens; Ray would wait for minutes.
+
+    Raises:
+        InputError: there is nothing, or it is no address.
+    """
+    host, _, port = address.rpartition(":")
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), timeout=_PATIENCE).close()
+    except (OSError, ValueError, OverflowError) as error:
+        reason = f"nothing answers there ({error})"
+        if not isinstance(error, OSError):
+            reason = "it is no HOST:PORT"
+        raise InputError(
+            f"--ray-address {address}: {reason}; give `auto`, or the address that `ray start "
+            "--head` named (its port is 6379 unless you chose another)"
+        ) from None
 
 
 def _refuse_open(address: str) -> None:
