@@ -76,6 +76,6 @@ def count(payload: bytes, progress: Callable[[int], None]) -> bytes:
 def made_up_work(payload: bytes, progress: Callable[[int], None]) -> bytes:
     """Stand in for `robomore.evaluation.work:work`: the same numbers, and no training."""
     request = msgspec.json.decode(payload, type=Request)
-    time.sleep(0.3)
+    time.sleep(2.0)  # so that a node is busy when it is killed
     progress(request.job.steps)
     return msgspec.json.encode(Answer(made_up(request)))
