@@ -13,9 +13,10 @@ import operator
 import re
 from collections.abc import Callable, Collection, Mapping
 from importlib.resources import files
+from typing import Any
 
 PLACEHOLDER = re.compile(r"\{([^{}]+)\}")
-_BINARY: dict[type, Callable[[float, float], float]] = {
+_BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
@@ -100,26 +101,35 @@ def check_arithmetic(node: ast.expr) -> None:
     raise ValueError(f"not plain arithmetic in a template: {ast.unparse(node)}")
 
 
-def evaluate(node: ast.expr, values: Mapping[str, float]) -> float:
+def evaluate(
+    node: ast.expr,
+    values: Mapping[str, Any],
+    functions: Mapping[str, Callable[..., Any]] = FUNCTIONS,
+) -> Any:
     """Return the number that a placeholder stands for.
 
     Args:
         node: what `parse` returned.
-        values: numbers by name.
+        values: numbers by name, or arrays of numbers, element by element.
+        functions: those of `FUNCTIONS`, for what the values are.
 
     Raises:
         KeyError: it uses a name that `values` lacks.
         ValueError: it is not plain arithmetic.
     """
+
+    def of(inner: ast.expr) -> Any:
+        return evaluate(inner, values, functions)
+
     match node:
         case ast.Constant(value=int() | float() as number):
             return float(number)
         case ast.Name(id=name):
             return values[name]
         case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return -evaluate(operand, values)
+            return -of(operand)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-            return _BINARY[type(op)](evaluate(left, values), evaluate(right, values))
-        case ast.Call(func=ast.Name(id=name), args=args) if name in FUNCTIONS:
-            return FUNCTIONS[name](*(evaluate(argument, values) for argument in args))
+            return _BINARY[type(op)](of(left), of(right))
+        case ast.Call(func=ast.Name(id=name), args=args) if name in functions:
+            return functions[name](*map(of, args))
     raise ValueError(f"not plain arithmetic in a template: {ast.unparse(node)}")

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.designers.offline.rest_pose import RestPose
+from robomore.tasks.template import evaluate
 
 Array = NDArray[np.float64]
 
@@ -26,13 +27,6 @@ _FUNCTIONS = {
     "max": np.maximum,
     "sin": np.sin,
     "cos": np.cos,
-}
-_BINARY: dict[type, Callable[[Any, Any], Any]] = {
-    ast.Add: np.add,
-    ast.Sub: np.subtract,
-    ast.Mult: np.multiply,
-    ast.Div: np.divide,
-    ast.Pow: np.power,
 }
 _TOKEN = re.compile(r"\{([^{}]+)\}|(\S+)")
 
@@ -69,7 +63,9 @@ class BatchedKinematics:
         values = {**self._constants, **columns}
 
         def stacked(trees: list[ast.expr]) -> Array:
-            return np.stack([np.broadcast_to(_value(t, values), (count,)) for t in trees], axis=-1)
+            return np.stack(
+                [np.broadcast_to(evaluate(t, values, _FUNCTIONS), (count,)) for t in trees], axis=-1
+            )
 
         ends = [np.stack([stacked(start), stacked(end)], axis=1) for start, end, _ in self._limbs]
         roots = [stacked(root) for root in self._roots]
@@ -132,18 +128,3 @@ def _numbers(text: str) -> list[ast.expr]:
 
 def _added(left: list[ast.expr], right: list[ast.expr]) -> list[ast.expr]:
     return [ast.BinOp(a, ast.Add(), b) for a, b in zip(left, right, strict=True)]
-
-
-def _value(node: ast.expr, values: Mapping[str, Any]) -> Any:
-    match node:
-        case ast.Constant(value=int() | float() as number):
-            return float(number)
-        case ast.Name(id=name):
-            return values[name]
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return -_value(operand, values)
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-            return _BINARY[type(op)](_value(left, values), _value(right, values))
-        case ast.Call(func=ast.Name(id=name), args=arguments) if name in _FUNCTIONS:
-            return _FUNCTIONS[name](*(_value(argument, values) for argument in arguments))
-    raise ValueError(f"not plain arithmetic in a template: {ast.unparse(node)}")
