@@ -62,11 +62,11 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
     task
         A task file (.toml), or the id of an installed task.
     picture
-        Draw the robot into this file (.svg or .png).
+        Draw the robot into this file (.svg or .png), with what is free in colour and numbered.
     """
     from robomore.errors import InputError
     from robomore.importer.task_file import read_task_file
-    from robomore.rendering.drawing import draw
+    from robomore.rendering.marks import draw_free
     from robomore.rendering.pictures import save_picture
     from robomore.tasks import get_task
     from robomore.tasks.registry import SUFFIX
@@ -80,7 +80,7 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
         chosen = get_task(task)
     _tell_simulated(chosen)
     if picture is not None:
-        save_picture(draw(chosen, chosen.reference), picture, chosen.title)
+        save_picture(draw_free(chosen), picture, chosen.title)
         write(f"picture: {picture}\n")
     try:
         check(chosen)

@@ -59,6 +59,7 @@ class Stroke:
         radius: half of the thickness.
         depth: of its middle; larger is nearer.
         colour: as `#rrggbb`.
+        geom: number of the solid in the model.
     """
 
     start: Array
@@ -66,6 +67,20 @@ class Stroke:
     radius: float
     depth: float
     colour: str
+    geom: int
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A remark on some solids.
+
+    Attributes:
+        places: (2,) to the right and up, in m.
+        text: the remark.
+    """
+
+    places: tuple[Array, ...]
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,12 +92,14 @@ class Scene:
         ground: lines on the ground, each (points, 2).
         low: (2,) left lower corner of all strokes.
         high: (2,) right upper corner.
+        marks: remarks, which are numbered in their order.
     """
 
     strokes: tuple[Stroke, ...]
     ground: tuple[Array, ...]
     low: Array
     high: Array
+    marks: tuple[Mark, ...] = ()
 
 
 def draw(task: Task, parameters: Parameters) -> Scene:
@@ -154,7 +171,8 @@ def project(
         middle = (one.start + one.end) / 2
         start, end = view.flat(one.start), view.flat(one.end)
         colour = PALETTE[min(distance_to_world(model, one.body), len(PALETTE)) - 1]
-        strokes.append(Stroke(start, end, one.radius, float(middle @ view.towards), colour))
+        depth = float(middle @ view.towards)
+        strokes.append(Stroke(start, end, one.radius, depth, colour, one.geom))
     corners = [
         corner
         for stroke in strokes
@@ -237,6 +255,7 @@ class Solid:
     end: Array
     radius: float
     body: int
+    geom: int
 
 
 def solids(model: mujoco.MjModel, data: mujoco.MjData) -> list[Solid]:
@@ -259,7 +278,7 @@ def solids(model: mujoco.MjModel, data: mujoco.MjData) -> list[Solid]:
             longest = int(np.argmax(half))
             radius = float(np.delete(half, longest).mean())
             reach = axes[:, longest] * max(0.0, float(half[longest]) - radius)
-        found.append(Solid(centre - reach, centre + reach, radius, body))
+        found.append(Solid(centre - reach, centre + reach, radius, body, geom))
     return found
 
 

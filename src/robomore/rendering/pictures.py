@@ -22,6 +22,8 @@ _THINNEST = 1.6
 _EDGE, _SHINE = 0.62, 1.28
 """Brightness of a part's outline and of the light on it."""
 _MARGIN = 0.08
+_SIGN, _ROW = 8.0, 22.0
+"""Radius of a mark's disc and height of a row of the legend, in pixels."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +96,14 @@ def svg(scene: Scene, frame: Frame, title: str = "") -> str:
                 f'<line x1="{x1:.2f}" y1="{y1 - lift:.2f}" x2="{x2:.2f}" y2="{y2 - lift:.2f}" '
                 f'stroke="{colour}" stroke-width="{width:.2f}"/>'
             )
+    for number, mark in enumerate(scene.marks, start=1):
+        places = np.array(mark.places).reshape(-1, 2)
+        parts += [_sign(x, y, number) for x, y in frame.pixels(places)]
+        row = _ROW * number
+        parts.append(
+            f'{_sign(_ROW, row, number)}<text x="{1.8 * _ROW:.1f}" y="{row + 4.5:.1f}" '
+            f'font-size="13" fill="currentColor">{escape(mark.text)}</text>'
+        )
     length, bar = _scale_bar(frame)
     (x1, y1), (x2, _) = bar
     parts.append(
@@ -131,6 +141,15 @@ def image(scene: Scene, frame: Frame, caption: str = "", smooth: int = 2) -> Ima
             for x, y in ((x1, y1), (x2, y2)):
                 half = width / 2
                 pen.ellipse([x - half, y - half, x + half, y + half], fill=colour)
+    small = ImageFont.load_default(12.0 * smooth)
+    for number, mark in enumerate(scene.marks, start=1):
+        row = (_ROW * smooth, _ROW * smooth * (number + bool(caption)))
+        places = np.array(mark.places).reshape(-1, 2)
+        for x, y in (*fine.pixels(places).tolist(), row):
+            half = _SIGN * smooth
+            pen.ellipse([x - half, y - half, x + half, y + half], "#222222")
+            pen.text((x, y), f"{number}", "#ffffff", small, anchor="mm")
+        pen.text((1.8 * row[0], row[1]), mark.text, "#222222", small, anchor="lm")
     length, ((x1, y1), (x2, _)) = _scale_bar(fine)
     pen.line([(x1, y1), (x2, y1)], fill="#444444", width=2 * smooth)
     font = ImageFont.load_default(13.0 * smooth)
@@ -147,6 +166,10 @@ def save_picture(scene: Scene, path: Path, title: str = "", width: int = 800) ->
         InputError: another suffix, or the file cannot be written.
     """
     frame = frame_around(scene, width, width * 3 // 4)
+    # The legend stands above the robot.
+    legend = round(_ROW * (len(scene.marks) - 1)) if scene.marks else 0
+    centre = frame.centre + np.array([0, legend / 2 / frame.scale])
+    frame = Frame(centre, frame.metres, width, frame.height + legend)
     try:
         if path.suffix.lower() == ".svg":
             path.write_text(svg(scene, frame, title) + "\n", encoding="utf-8")
@@ -173,6 +196,14 @@ def _layers(colour: str, thick: float) -> tuple[tuple[str, float, float], ...]:
 def _brighter(colour: str, factor: float) -> str:
     channels = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
     return "#" + "".join(f"{min(255, round(channel * factor)):02x}" for channel in channels)
+
+
+def _sign(x: float, y: float, number: int) -> str:
+    return (
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{_SIGN:g}" fill="#222" stroke="#fff"/>'
+        f'<text x="{x:.1f}" y="{y + 4:.1f}" text-anchor="middle" font-size="11" fill="#fff">'
+        f"{number}</text>"
+    )
 
 
 def _scale_bar(frame: Frame) -> tuple[float, tuple[tuple[float, float], tuple[float, float]]]:
