@@ -12,17 +12,19 @@ from statistics import fmean
 import pytest
 
 import untrained  # noqa: F401  # makes its executor known
-from robomore.errors import InputError, NothingTrained
+from robomore.errors import InputError, NothingTrained, RunFolderError
 from robomore.events import ignore
+from robomore.plain_files import NotPlainError
 from robomore.rewards.check import check_reward
 from robomore.runs import load_run
 from robomore.search import METHODS
+from robomore.search.named_starts import named_start
 from robomore.studies import STUDIES, Results, Study, Table, run_study
-from robomore.studies.execute import cells_of
+from robomore.studies.execute import cells_of, write_results
 from robomore.studies.presets import SCALES, scale
 from robomore.studies.remeasured import incumbents, remeasure
 from robomore.studies.scores import _curve
-from robomore.studies.study import Cell
+from robomore.studies.study import Arm, Cell
 from robomore.tasks import get_task
 from robomore.tasks.registry import PAPER_TASKS
 
@@ -65,7 +67,38 @@ def table(out: Path, name: str) -> list[list[str]]:
 
 def test_the_comparison_has_every_method() -> None:
     arms = [cell.arm.name for cell in cells_of(STUDIES.get("comparison"), [], scale("smoke"), 1)]
-    assert arms == [name for name in METHODS if name != "given"] * 2
+    own = [name for name in METHODS if name != "given"]
+    assert arms == [*own, "robomore-from-slim-reference"] * 2
+
+
+def test_an_arm_starts_from_what_it_says_and_another_start_is_another_run(tmp_path: Path) -> None:
+    arms = (Arm("plain"), Arm("slim", start_from=("slim-reference",)))
+    study = Study("starts", "", arms, lambda results: [])
+    cells = cells_of(study, ["swimmer"], scale("smoke"), 1)
+    results = run_study(study, cells, tmp_path, executor="untrained")
+    slim = named_start(get_task("swimmer"), "slim-reference").morphology
+    tried = {
+        cell.arm.name: {one.design.morphology.parameters for one in run.evaluations}
+        for cell, run in results.cells
+    }
+    assert slim and slim.parameters in tried["slim"] and slim.parameters not in tried["plain"]
+    other = replace(cells[0], arm=replace(cells[0].arm, start_from=("reference",)))
+    with pytest.raises(RunFolderError):
+        run_study(study, [other], tmp_path, executor="untrained")
+
+
+@pytest.mark.parametrize("name", ["tables", "tables/found.md", "figures/iqm.svg"])
+def test_nothing_is_written_through_a_link(
+    name: str, compared: tuple[Path, Results], tmp_path: Path
+) -> None:
+    target = tmp_path / "of the user"
+    target.mkdir() if name == "tables" else target.write_text("mine")
+    link = tmp_path / "study" / name
+    link.parent.mkdir(parents=True)
+    link.symlink_to(target)
+    with pytest.raises(NotPlainError, match="link"):
+        write_results(STUDIES.get("comparison"), compared[1], tmp_path / "study")
+    assert (list(target.iterdir()) == []) if name == "tables" else target.read_text() == "mine"
 
 
 def test_a_cell_is_an_ordinary_run_within_the_budget(compared: tuple[Path, Results]) -> None:
@@ -231,7 +264,9 @@ def test_all_arms_of_a_study_have_one_budget_and_a_folder_each() -> None:
             cells = cells_of(study, ["swimmer"], scale(name), 1)
             assert len({cell.budget_steps for cell in cells}) == 1
             assert len({cell.folder for cell in cells}) == len(cells)
-            assert len({(c.task, json.dumps(c.arm.options)) for c in cells}) == len(cells)
+            assert len(
+                {(c.task, json.dumps(c.arm.options), c.arm.start_from) for c in cells}
+            ) == len(cells)
 
 
 def test_an_arm_that_changes_nothing_is_left_out() -> None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 
 from robomore.designers import LanguageModel, Replay
@@ -15,6 +16,7 @@ from robomore.executors import EXECUTORS, Executor, thread_map
 from robomore.experiment import run
 from robomore.experiment.run import available_cores
 from robomore.options import with_options
+from robomore.plain_files import PlainFolder
 from robomore.runs import Run, load_run
 from robomore.search import METHODS, make_method
 from robomore.settings import from_options
@@ -162,41 +164,41 @@ def write_results(study: Study, results: Results, out: Path) -> list[Path]:
 
     Raises:
         InputError: a file cannot be written.
+        NotPlainError: a link or the like has its name.
     """
-    files: dict[Path, bytes] = {}
-    for table in study.tables(results):
-        for ending, text in (
-            ("md", table.markdown()),
-            ("tex", table.latex()),
-            ("csv", table.csv()),
-        ):
-            files[out / "tables" / f"{table.name}.{ending}"] = text.encode()
+    folder, written = PlainFolder(out), []
     try:
-        for path, content in files.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
-        return [*files, *_drawn(study, results, out / "figures")]
+        for name, content in (*_tables(study, results), *_drawn(study, results)):
+            folder.make(name.partition("/")[0])
+            folder.write(name, content)
+            written.append(out / name)
     except OSError as error:
         raise InputError(f"cannot write to {out} ({error.strerror}); name another --out") from None
+    return written
 
 
-def _drawn(study: Study, results: Results, folder: Path) -> list[Path]:
+def _tables(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
+    for table in study.tables(results):
+        yield f"tables/{table.name}.md", table.markdown().encode()
+        yield f"tables/{table.name}.tex", table.latex().encode()
+        yield f"tables/{table.name}.csv", table.csv().encode()
+
+
+def _drawn(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
     from robomore.visualize.canvas import matplotlib
 
     try:
         pyplot = matplotlib("pyplot")
     except InputError:
-        return []
-    found = []
-    folder.mkdir(parents=True, exist_ok=True)
+        return
     for name, draw in study.figures(results).items():
         figure, axes = pyplot.subplots(layout="constrained")
         draw(axes)
         for ending in FORMATS:
-            found.append(folder / f"{name}.{ending}")
-            figure.savefig(found[-1])
+            drawn = BytesIO()
+            figure.savefig(drawn, format=ending)
+            yield f"figures/{name}.{ending}", drawn.getvalue()
         pyplot.close(figure)
-    return found
 
 
 def _finished(cell: Cell, folder: Path) -> Run | None:
