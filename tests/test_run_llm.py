@@ -22,6 +22,7 @@ import pytest
 import untrained  # noqa: F401  # known as an executor once it is imported
 from exhaustive import more_of
 from llm.loopback import KEY, Script, serve
+from remembered import remembered_dry_runs  # noqa: F401
 from robomore.designers import LanguageModel, Replay
 from robomore.designers.llm.designer import LLMSettings
 from robomore.designers.llm.history import HistorySettings

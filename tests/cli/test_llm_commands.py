@@ -12,6 +12,7 @@ import pytest
 
 import untrained  # noqa: F401  # known as an executor once it is imported
 from llm.loopback import KEY, serve
+from remembered import remembered_dry_runs  # noqa: F401
 from robomore.cli import main
 from robomore.cli.app import application
 from robomore.cli.llm import ModelOptions, language_model
