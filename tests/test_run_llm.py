@@ -358,6 +358,7 @@ def test_side_by_side_or_in_turn_the_run_is_the_same(tmp_path: Path, diversity: 
     assert found[0] == found[1]
 
 
+@pytest.mark.exhaustive  # As the next but one, with SIGKILL and several at once.
 def test_killed_with_several_answers_under_way_only_those_are_asked_for_again(
     tmp_path: Path,
 ) -> None:

@@ -15,7 +15,7 @@ from quick_run import SMOKE, ended
 from run_state import rows, same_run
 
 VICTIMS = ("parent", "worker", "sandboxed", "all")
-FEW, MANY = 3, 10
+FEW, MANY = 2, 10
 """Kills in a test that always runs, and in one of the exhaustive ones."""
 LATEST = 0.7
 """As a share of the time that an undisturbed run takes on this machine: one that goes on is in its
