@@ -67,6 +67,8 @@ def test_sigterm_ends_a_run_cleanly(trained: Path, tmp_path: Path) -> None:
     out = tmp_path / "run"
     caught = 0
     for _ in range(2):
+        if caught:
+            break
         with life(out, "quick") as begun:
             while not (out / "run.json").exists() and begun.lasts_until(PATIENCE, step=0.05):
                 continue

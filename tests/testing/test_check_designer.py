@@ -29,7 +29,7 @@ SWIMMER = get_task("swimmer")
     "task",
     [
         SWIMMER,
-        EEL,
+        pytest.param(EEL, marks=pytest.mark.exhaustive),
         pytest.param(get_task("ant-jump"), marks=pytest.mark.exhaustive),
     ],
     ids=lambda task: task.id,

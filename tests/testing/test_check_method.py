@@ -29,7 +29,11 @@ SMALL = {"morphologies": 3, "rewards": 2, "max_cycles": 1}
         ("random", {}),
         ("reference", {}),
         ("robomore", SMALL),
-        ("robomore", {**SMALL, "improvement": "seeds", "close_call": 1.0}),
+        pytest.param(
+            "robomore",
+            {**SMALL, "improvement": "seeds", "close_call": 1.0},
+            marks=pytest.mark.exhaustive,
+        ),
         ("robomore", {**SMALL, "screening": "halving", "reference_reward": "out"}),
     ],
 )
