@@ -11,6 +11,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+COLOURS = 10
+"""Colours of Matplotlib's usual cycle."""
+STYLES = ("-", "--", ":")
+"""Of lines, so that those of one colour differ."""
+
+
 def curves(
     lines: Mapping[str, Sequence[tuple[float, float]]],
     ends: Mapping[str, float],
@@ -27,9 +33,10 @@ def curves(
         ax: to draw on; new axes by default.
     """
     ax = axes_for(ax)
-    for arm, line in lines.items():
+    for number, (arm, line) in enumerate(lines.items()):
         steps, best = zip(*line, strict=True)
-        (drawn,) = ax.step(steps, best, where="post", label=arm)
+        style = STYLES[number // COLOURS % len(STYLES)]
+        (drawn,) = ax.step(steps, best, style, where="post", label=arm)
         if arm in ends:
             ax.plot(steps[-1], ends[arm], "o", color=drawn.get_color())
     positive = [value for line in lines.values() for _, value in line]
@@ -39,7 +46,8 @@ def curves(
         xlabel="control steps of training in the search (point: trained anew)",
         ylabel=f"best so far, measured again: {name}",
     )
-    ax.legend(fontsize="small")
+    # Beside the axes, so that it hides no line.
+    ax.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
     return ax
 
 
