@@ -192,7 +192,7 @@ def _drawn(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
     except InputError:
         return
     for name, draw in study.figures(results).items():
-        figure, axes = pyplot.subplots(layout="constrained")
+        figure, axes = pyplot.subplots(figsize=(8.6, 4.8), layout="constrained")
         draw(axes)
         for ending in FORMATS:
             drawn = BytesIO()

@@ -46,6 +46,7 @@ def curves(
         xlabel="control steps of training in the search (point: trained anew)",
         ylabel=f"best so far, measured again: {name}",
     )
+    ax.locator_params(axis="x", nbins=5)
     # Beside the axes, so that it hides no line.
     ax.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
     return ax
