@@ -68,13 +68,14 @@ def robot_semantics(task: Task) -> RobotSemantics:
     own = [joint for joint in joints if joint.name in _names(torso.findall("joint"))]
     found = _of_root(own)
     driven = _driven(task, joints)
-    if driven:
+    if driven and not structured:
         found["rates"] = _indexed("self.data.qvel", [joint.velocity for joint in driven])
         found["angles"] = _indexed("self.data.qpos", [joint.position for joint in driven])
-    if structured and driven == joints[len(own) :]:
-        # Only what holds for any number of legs.
-        found["rates"] = f"self.data.qvel[{driven[0].velocity}:]"
-        found["angles"] = f"self.data.qpos[{driven[0].position}:]"
+    if structured:
+        # Only what holds for any number of parts.
+        if driven and driven == joints[len(own) :]:
+            found["rates"] = f"self.data.qvel[{driven[0].velocity}:]"
+            found["angles"] = f"self.data.qpos[{driven[0].position}:]"
         driven = []
     moved = {joint.name for joint in driven}
     legs = [
