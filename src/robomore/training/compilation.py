@@ -9,6 +9,7 @@ What is loaded is machine code. So only a process that runs no untrusted code fi
 
 from __future__ import annotations
 
+import hashlib
 import os
 import pickle
 from collections.abc import Callable
@@ -25,6 +26,8 @@ CACHE_VARIABLE = "ROBOMORE_CACHE"
 """Environment variable that names the folder; without it every process compiles for itself."""
 
 _ENDING = ".program"
+_DIGEST = 32
+"""Bytes before a program that tell whether it is whole."""
 
 
 def compiled(name: str, function: Callable[..., Any], *arguments: Any) -> Any:
@@ -74,10 +77,13 @@ def _read(key: str) -> Any:
     if path is None:
         return None
     try:
-        kept = pickle.loads(path.read_bytes())
-    except (OSError, EOFError, pickle.UnpicklingError):
-        return None  # There is none, or whoever wrote it was killed.
-    return serialize_executable.deserialize_and_load(*kept)
+        content = path.read_bytes()
+    except OSError:
+        return None
+    kept = content[_DIGEST:]
+    if hashlib.sha256(kept).digest() != content[:_DIGEST]:
+        return None  # Damaged, or whoever wrote it was killed: wrong code would give wrong numbers.
+    return serialize_executable.deserialize_and_load(*pickle.loads(kept))
 
 
 def _make(key: str, function: Callable[..., Any], arguments: Any) -> Any:
@@ -89,5 +95,6 @@ def _make(key: str, function: Callable[..., Any], arguments: Any) -> Any:
     if path:
         # A process that may only read the folder has compiled for itself.
         with suppress(OSError):
-            path.write_bytes(pickle.dumps(serialize_executable.serialize(program)))
+            kept = pickle.dumps(serialize_executable.serialize(program))
+            path.write_bytes(hashlib.sha256(kept).digest() + kept)
     return program
