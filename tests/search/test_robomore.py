@@ -71,7 +71,7 @@ def test_fine_changes_the_morphology_then_the_reward_and_keeps_what_is_better() 
     # Better until the morphology is 3; the reward cannot be improved.
     measuring = Measuring(lambda morphology, reward: -abs(morphology - 3) - abs(reward - 10))
     start = measuring.evaluation_of(design(1, 10))
-    (best,) = fine(CountingDesigner(), measuring, [start], [start], 10, context())
+    (best,) = fine(CountingDesigner(), measuring, [start], [start], 10, 1, context())
     assert numbers(best.design) == (3.0, 10.0)
     changes = [batch[0].place.changed for batch in measuring.batches]
     # Two cycles improve the morphology; the third improves neither and ends the branch.
@@ -89,7 +89,7 @@ def test_fine_changes_the_morphology_then_the_reward_and_keeps_what_is_better() 
 def test_fine_branches_share_batches_and_stop_one_by_one() -> None:
     measuring = Measuring(lambda morphology, reward: min(morphology, 3) + min(reward, 10))
     starts = [measuring.evaluation_of(design(morphology, 10)) for morphology in (1, 3)]
-    best = fine(CountingDesigner(), measuring, starts, starts, 10, context())
+    best = fine(CountingDesigner(), measuring, starts, starts, 10, 1, context())
     assert [numbers(e.design) for e in best] == [(3.0, 10.0), (3.0, 10.0)]
     assert [len(batch) for batch in measuring.batches] == [2, 2, 1, 1, 1, 1]
 
@@ -98,7 +98,7 @@ def test_a_branch_sees_the_grid_and_its_own_trials_only() -> None:
     designer = CountingDesigner()
     measuring = Measuring(lambda morphology, reward: morphology + reward)
     starts = [measuring.evaluation_of(design(morphology, 10)) for morphology in (1, 50)]
-    fine(designer, measuring, starts, starts, 2, context())
+    fine(designer, measuring, starts, starts, 2, 1, context())
     grid = tuple(e.key for e in starts)
     first, second = designer.histories[2], designer.histories[3]
     assert first[:2] == second[:2] == grid
@@ -139,7 +139,7 @@ def test_a_close_call_is_decided_by_a_second_seed(
     # Better by 4 % with each morphology up to 3; no other reward is any good.
     measuring = Noisy(lambda m, r: (100 + 4 * min(m, 3)) * (r == 10), unlucky_second)
     start = measuring.seeded(design(1, 10), 0)
-    (best,) = fine(CountingDesigner(), measuring, [start], [start], 9, context(), close_call)
+    (best,) = fine(CountingDesigner(), measuring, [start], [start], 9, 1, context(), close_call)
     assert numbers(best.design) == found and best.key.endswith("-0")
     repeats = [[t.place.repeat for t in batch] for batch in measuring.batches]
     if not close_call:
@@ -160,17 +160,17 @@ def test_a_lucky_first_seed_does_not_win_a_close_call() -> None:
         lambda m, r, repeat: 0.1 * (m == 2 and repeat == 0) - 0.2 * (m == 2 and repeat == 1),
     )
     start = measuring.seeded(design(1, 10), 0)
-    (best,) = fine(CountingDesigner(), measuring, [start], [start], 1, context(), 0.2)
+    (best,) = fine(CountingDesigner(), measuring, [start], [start], 1, 1, context(), 0.2)
     assert numbers(best.design)[0] == 1.0
 
 
 def test_a_clear_call_and_a_failure_cost_no_second_seed() -> None:
     measuring = Noisy(lambda m, r: 10.0**m * (r == 10), lambda m, r, repeat: 0.0)
     start = measuring.seeded(design(1, 10), 0)
-    fine(CountingDesigner(), measuring, [start], [start], 3, context(), 0.2)
+    fine(CountingDesigner(), measuring, [start], [start], 3, 1, context(), 0.2)
     assert all(t.place.repeat == 0 for batch in measuring.batches for t in batch)
     failing = Measuring(lambda m, r: None)
-    assert fine(CountingDesigner(), failing, [start], [start], 3, context(), 0.2) == [start]
+    assert fine(CountingDesigner(), failing, [start], [start], 3, 1, context(), 0.2) == [start]
     assert len(failing.batches) == 2
 
 
@@ -212,6 +212,30 @@ def test_max_cycles_bounds_a_search_that_always_improves() -> None:
     assert numbers(best.design) == (2.0 + 4, 20.0 + 4)
 
 
+@pytest.mark.parametrize(("patience", "asked"), [(1, 1), (3, 3), (9, 5)])
+def test_patience_lets_a_branch_without_improvement_go_on(patience: int, asked: int) -> None:
+    measuring = Measuring(lambda morphology, reward: -morphology - reward)
+    settings = sizes(2, 2, survivors=0.25, max_cycles=5, patience=patience)
+    robomore(CountingDesigner(), measuring, settings)
+    fine = [trial for batch in measuring.batches for trial in batch if trial.place.stage == "fine"]
+    assert len(fine) == 2 * asked
+
+
+def test_an_improvement_gives_a_branch_new_patience() -> None:
+    # A first cycle in vain, a second that improves, then as many in vain as it has patience.
+    measuring = Measuring(lambda morphology, reward: -abs(morphology - 4) - reward)
+    settings = sizes(2, 1, survivors=0.5, max_cycles=9, patience=2)
+    robomore(CountingDesigner(step=1), measuring, settings)
+    cycles = {
+        trial.place.index[1]
+        for batch in measuring.batches
+        for trial in batch
+        if trial.place.stage == "fine"
+    }
+    # The morphology goes from 2 to 4 in two cycles.
+    assert cycles == {0, 1, 2, 3}
+
+
 def test_the_objective_decides() -> None:
     light = replace(evaluation(design(1, 1), 9.0), fitness=1.0)
     far = replace(evaluation(design(2, 1), 5.0), fitness=7.0)
@@ -239,7 +263,7 @@ def test_a_grid_of_the_reference_reward_alone_asks_for_no_reward() -> None:
 def test_a_refinement_names_the_evaluation_that_it_was_made_from() -> None:
     measuring = Measuring(lambda morphology, reward: -abs(morphology - 3) - abs(reward - 10))
     start = measuring.evaluation_of(design(1, 10))
-    fine(CountingDesigner(), measuring, [start], [start], 2, context())
+    fine(CountingDesigner(), measuring, [start], [start], 2, 1, context())
     places = [batch[0].place for batch in measuring.batches]
     better, _, best, _ = (measuring.evaluation_of(b[0].design).key for b in measuring.batches)
     assert [place.parent for place in places] == [start.key, better, better, best]
@@ -290,7 +314,7 @@ def test_a_half_cycle_without_proposal_improves_nothing_and_the_others_go_on() -
     measuring = Measuring(lambda morphology, reward: min(morphology, 4) + min(reward, 12))
     starts = [measuring.evaluation_of(design(morphology, 10)) for morphology in (1, 2)]
     designer = Stubborn("fine morphology 1.1", "fine reward 2.2")
-    best = fine(designer, measuring, starts, starts, 10, context())
+    best = fine(designer, measuring, starts, starts, 10, 1, context())
     assert [numbers(e.design) for e in best] == [(4.0, 12.0), (4.0, 12.0)]
     assert [[t.place.index[0] for t in batch] for batch in measuring.batches[:4]] == [
         [1],
@@ -304,7 +328,7 @@ def test_a_branch_without_any_proposal_keeps_its_best_and_ends() -> None:
     measuring = Measuring(lambda morphology, reward: morphology + reward)
     start = measuring.evaluation_of(design(1, 10))
     designer = Stubborn("fine morphology 1.1", "fine reward 1.1")
-    assert fine(designer, measuring, [start], [start], 5, context()) == [start]
+    assert fine(designer, measuring, [start], [start], 5, 1, context()) == [start]
     assert not measuring.batches
 
 

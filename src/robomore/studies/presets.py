@@ -37,7 +37,7 @@ def quick() -> Scale:
     """Eleven arms on two tasks with three seeds in about two hours of two cores."""
     settings = with_options(
         preset("quick"),
-        method_options={"morphologies": 3, "rewards": 2, "max_cycles": 2},
+        method_options={"morphologies": 3, "rewards": 2, "max_cycles": 2, "patience": 2},
         steps=20_000,
         evaluations=10,
         final_steps=30_000,
@@ -48,7 +48,11 @@ def quick() -> Scale:
 
 def standard() -> Scale:
     """The runs of the preset `standard`, with three seeds in each final."""
-    return Scale(with_options(preset("standard"), finalists=1, final_seeds=3), seeds=5)
+    # With the paper's patience of one cycle, all branches may have ended before the budget has.
+    settings = with_options(
+        preset("standard"), method_options={"patience": 3}, finalists=1, final_seeds=3
+    )
+    return Scale(settings, seeds=5)
 
 
 def paper() -> Scale:

@@ -31,7 +31,7 @@ class Branch:
         history: all that the designer may see.
         close_call: relative difference of two scores up to which a call is close; 0 for the paper's
             rule.
-        improved: whether the current cycle improved the best.
+        idle: cycles in a row that did not improve the best.
         again: the best with a second seed, once it was asked for.
         differences: relative differences between two seeds of the same design.
     """
@@ -40,7 +40,7 @@ class Branch:
     best: Evaluation
     history: list[Evaluation]
     close_call: float = 0.0
-    improved: bool = True
+    idle: int = 0
     again: Evaluation | None = None
     differences: list[float] = field(default_factory=list)
 
@@ -86,7 +86,7 @@ class Branch:
                 (self.best, self.again), objective
             )
         if better:
-            self.best, self.again, self.improved = new, again, True
+            self.best, self.again, self.idle = new, again, 0
 
 
 def _standing(seeds: tuple[Evaluation | None, ...], objective: str) -> tuple[int, float]:

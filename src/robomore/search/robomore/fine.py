@@ -25,6 +25,7 @@ def fine(
     survivors: Sequence[Evaluation],
     grid: Sequence[Evaluation],
     max_cycles: int,
+    patience: int,
     context: SearchContext,
     close_call: float = 0.0,
 ) -> list[Evaluation]:
@@ -40,6 +41,7 @@ def fine(
         survivors: what the branches start from.
         grid: all evaluations of the coarse stage, those that screening cut short among them.
         max_cycles: most cycles of a branch.
+        patience: cycles in a row without improvement after which a branch ends; 1 in the paper.
         context: the objective, and how proposals are asked for side by side.
         close_call: relative difference of two scores up to which a second seed decides; 0 decides
             by one seed, as the paper does.
@@ -47,11 +49,11 @@ def fine(
     objective = context.objective
     branches = [Branch(index, best, list(grid), close_call) for index, best in enumerate(survivors)]
     for cycle in range(max_cycles):
-        active = [branch for branch in branches if branch.improved]
+        active = [branch for branch in branches if branch.idle < patience]
         if not active:
             break
         for branch in active:
-            branch.improved = False
+            branch.idle += 1
 
         morphologies = _ask(designer.improve_morphology, "morphology", active, cycle, context)
         designs = [(b, Design(new, b.best.design.reward)) for b, new in morphologies]

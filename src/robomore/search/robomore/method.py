@@ -59,4 +59,13 @@ class RoboMoRe:
 
         # Fine: alternate between morphology and reward until a cycle improves neither.
         close_call = settings.close_call if settings.improvement == "seeds" else 0.0
-        return fine(designer, evaluate, survivors, grid, settings.max_cycles, context, close_call)
+        return fine(
+            designer,
+            evaluate,
+            survivors,
+            grid,
+            settings.max_cycles,
+            settings.patience,
+            context,
+            close_call,
+        )

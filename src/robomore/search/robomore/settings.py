@@ -42,6 +42,9 @@ class RoboMoReSettings:
     """Fraction of the grid that the fine stage starts from (k); at least one design."""
     max_cycles: Annotated[int, msgspec.Meta(ge=0)] = 10
     """Most cycles of the fine stage. The paper stops only when a cycle improved nothing."""
+    patience: Count = 1
+    """Cycles in a row without improvement after which a branch ends; 1 in the paper. With more, a
+    branch that had bad luck once goes on, with smaller steps, while the budget lasts."""
     improvement: Literal["score", "seeds"] = "score"
     """When a proposal of the fine stage counts as better: `score` compares one training each, as
     the paper does; `seeds` trains both designs with a second seed if the call is close, and
