@@ -37,24 +37,44 @@ def ray_cluster(nodes: int) -> Iterator[Any]:
 
 def ray_processes() -> list[int]:
     """Return the Ray processes that come from this one."""
-    parents, commands = {}, {}
+    return [
+        process
+        for process in descendants(os.getpid())
+        if b"ray::" in (line := _command_line(process)) or b"/ray/" in line
+    ]
+
+
+def descendants(ancestor: int) -> list[int]:
+    """Return a process and all that come from it."""
+    parents = {}
     for folder in Path("/proc").glob("[0-9]*"):
         try:
-            commands[int(folder.name)] = (folder / "cmdline").read_bytes()
             line = (folder / "stat").read_text().rpartition(")")[2].split()
         except OSError:
             continue
         if line[0] != "Z":
             parents[int(folder.name)] = int(line[1])
 
-    def ours(process: int) -> bool:
-        return process == os.getpid() or (process in parents and ours(parents[process]))
+    def comes(process: int) -> bool:
+        return process == ancestor or (process in parents and comes(parents[process]))
 
-    return [
-        process
-        for process in parents
-        if ours(process) and (b"ray::" in commands[process] or b"/ray/" in commands[process])
-    ]
+    return [process for process in parents if comes(process)]
+
+
+def kill_at_work(cluster: Any, node: Any, seconds: float = 300.0) -> None:
+    """Kill a node of one core as soon as it is busy with a job."""
+    raylet = node.all_processes["raylet"][0].process.pid
+    deadline = time.monotonic() + seconds
+    while not any(b"ray::serve" in _command_line(one) for one in descendants(raylet)):
+        assert time.monotonic() < deadline, "it is never busy"
+        time.sleep(0.05)
+    cluster.remove_node(node, allow_graceful=False)
+
+
+def _command_line(process: int) -> bytes:
+    with suppress(OSError):
+        return Path(f"/proc/{process}/cmdline").read_bytes()
+    return b""
 
 
 def command(process: int) -> bytes:

@@ -10,10 +10,18 @@ from contextlib import closing
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import pytest
-from ray_cluster import command, memory_holds, ray_cluster, ray_processes, until_none_is_left
+from ray_cluster import (
+    command,
+    kill_at_work,
+    memory_holds,
+    ray_cluster,
+    ray_processes,
+    until_none_is_left,
+)
 
 from robomore import load_run
 from robomore.errors import InputError
@@ -182,18 +190,24 @@ def test_with_a_node_killed_in_the_middle_the_numbers_are_those_of_one_process(
     cluster.add_node(num_cpus=1)
     keys: list[str] = []
 
+    def kill() -> None:
+        for node in victims:
+            kill_at_work(cluster, node)
+
+    killer = Thread(target=kill)
+
     def tell(index: int, cell: object) -> Callable[[Event], None]:
         def observe(event: Event) -> None:
             if isinstance(event, Finished) and not event.known:
                 keys.append(event.evaluation.key)
-                if len(keys) == (2 if settings is SCREENED else 5):
-                    # All have begun by then, and there is more to do than they can.
-                    for node in victims:
-                        cluster.remove_node(node, allow_graceful=False)
+                if len(keys) == 2:
+                    killer.start()
 
         return observe
 
     run_study(STUDY, cells, tmp_path / "ray", executor=executor, side_by_side=4, tell=tell)
+    killer.join()
+    assert len(cluster.worker_nodes) == 1
     run_study(STUDY, cells, tmp_path / "inline", executor="inline")
     assert "lost an evaluation, which is done again" in caplog.text
     assert len(keys) > 8
