@@ -71,6 +71,13 @@ class UnitSpace:
         base, *others = ([shape.radius for shape in self.task.solids(one)] for one in named)
         return np.array([base != other for other in others])
 
+    @cached_property
+    def lengths(self) -> NDArray[np.bool_]:
+        """Which parameters (size,) are lengths or positions in m, radii not among them."""
+        metres = np.array([parameter.unit == "m" for parameter in self.task.parameters])
+        found: NDArray[np.bool_] = metres & ~self.radii
+        return found
+
     def _accepts(self, values: Sequence[float]) -> bool:
         try:
             self.task.check(values)

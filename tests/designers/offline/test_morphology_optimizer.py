@@ -9,6 +9,7 @@ from designers.evaluations import Bowl, evaluation
 from robomore.designers.offline.designer import OfflineDesigner
 from robomore.designers.offline.surrogate import GaussianProcess, expected_improvement
 from robomore.tasks.registry import TASKS
+from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Evaluation, Morphology, Reward, Slot, Status
 
 
@@ -105,6 +106,19 @@ def test_the_next_step_keeps_away_from_an_unstable_morphology() -> None:
         return float(np.mean([space.units([s.parameters])[0, 3:].mean() for s in steps]))
 
     assert thickness([best, unstable]) > thickness([best]) + 0.02
+
+
+def test_a_robot_as_thin_as_can_be_is_tried_in_another_size() -> None:
+    known = TASKS["half-cheetah"]
+    space = UnitSpace(known)
+    thin = np.where(space.radii, [p.low for p in space.task.parameters], known.reference)
+    best = evaluation(known, Morphology(tuple(thin.tolist())), fitness=9.0)
+    designer = OfflineDesigner(known, 1)
+    # Nothing is known of what else changes fitness, and a smaller robot has less volume for sure.
+    steps = [designer.improve_morphology(slot(i), best, [best]) for i in range(6)]
+    ratios = [(np.array(step.parameters) / thin)[space.lengths] for step in steps]
+    alike = [ratio for ratio in ratios if np.ptp(ratio) < 0.01]
+    assert alike and all(0.6 < ratio.mean() < 0.95 for ratio in alike)
 
 
 def test_steps_get_smaller_after_failed_improvements() -> None:

@@ -31,6 +31,10 @@ SHRINK_FACTOR = 0.6
 """Factor on the half-width for each failed improvement of the same best morphology."""
 MIN_TRUST_RADIUS = 0.04
 """Smallest half-width of the trust region."""
+RESCALED = 0.15
+"""Fraction of the candidates that are the best morphology in another size."""
+MAX_RESCALING = 0.4
+"""Logarithm of the largest factor of a size, in a trust region of full width."""
 FITNESS_FLOOR = 0.02
 """Lower fitness counts as this fraction of the best one, so that its logarithm is finite."""
 MORPHOLOGY_FAILURES = (Status.INVALID_MORPHOLOGY, Status.UNSTABLE)
@@ -75,9 +79,9 @@ class MorphologyOptimizer:
     ) -> Array:
         """Return `CANDIDATES` points, each coordinate at most `radius` away from `centre`.
 
-        Some points change few coordinates and some many; some change all radii alike. A third moves
-        along differences of evaluated morphologies (differential evolution), which show what
-        belongs together.
+        Some points change few coordinates and some many; some change all radii alike, and some are
+        the same robot in another size, with its radii as they are. A third moves along differences
+        of evaluated morphologies (differential evolution), which show what belongs together.
         """
         size, count = len(centre), CANDIDATES
         changed = random.random((count, size)) < random.uniform(1 / size, 1, (count, 1))
@@ -90,6 +94,12 @@ class MorphologyOptimizer:
             third = count // 3
             one, other = (others[random.integers(len(others), size=third)] for _ in range(2))
             step[:third] = (one - other) * random.uniform(0.1, 0.7, (third, 1))
+        rescaled = random.random((count, 1)) < RESCALED
+        sizes = np.exp(MAX_RESCALING * radius / TRUST_RADIUS * random.uniform(-1, 1, (count, 1)))
+        step = np.where(
+            rescaled, self._space.units(sizes * self._space.values(centre)) - centre, step
+        )
+        changed = np.where(rescaled, self._space.lengths, changed)
         step = np.clip(step, -radius, radius)
         moved: Array = np.clip(centre + np.where(changed, step, 0), 0, 1)
         return moved
