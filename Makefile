@@ -13,6 +13,10 @@ COMPILE := uv pip compile pyproject.toml --quiet --universal --python-version 3.
 # Many containers have Python keep no compiled modules, and then each of the many processes that the
 # tests start compiles RoboMoRe anew.
 PYTEST := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
+# What a file's tests share (runs, compiled trainers, a browser) is made once then, and not once on
+# each core. In the order of the files: those with the fewest tests, which would come last, take the
+# longest. Not with all examples, of which single files have hundreds of slow ones.
+TOGETHER := --dist loadfile --no-loadscope-reorder
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -30,7 +34,7 @@ picture: $(VENV)/.run ## Make the README's moving picture from what the demo fou
 	$(BIN)/robomore play runs/demo --beside --seconds 10 --out docs/assets/champion.webp
 
 test: $(VENV)/.dev ## Run the tests, on all cores
-	$(PYTEST)
+	$(PYTEST) $(TOGETHER)
 
 test-all: $(VENV)/.dev ## Run the tests with all their examples (takes long)
 	$(PYTEST) -m ''
