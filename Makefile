@@ -10,6 +10,14 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
 COMPILE := uv pip compile pyproject.toml --quiet --universal --python-version 3.11 \
 	--fork-strategy fewest --generate-hashes --no-header --no-emit-index-url
 
+# Many containers have Python keep no compiled modules, and then each of the many processes that the
+# tests start compiles RoboMoRe anew.
+PYTEST := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
+# What a file's tests share (runs, compiled trainers, a browser) is made once then, and not once on
+# each core. In the order of the files: those with the fewest tests, which would come last, take the
+# longest. Not with all examples, of which single files have hundreds of slow ones.
+TOGETHER := --dist loadfile --no-loadscope-reorder
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help demo picture test test-all test-robots lint format lock bundle clean
@@ -26,14 +34,14 @@ picture: $(VENV)/.run ## Make the README's moving picture from what the demo fou
 	$(BIN)/robomore play runs/demo --beside --seconds 10 --out docs/assets/champion.webp
 
 test: $(VENV)/.dev ## Run the tests, on all cores
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
+	$(PYTEST) $(TOGETHER)
 
 test-all: $(VENV)/.dev ## Run the tests with all their examples (takes long)
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m ''
+	$(PYTEST) -m ''
 
 test-robots: $(VENV)/.dev ## Run the tests with robots that others made (downloads 30 MB)
 	@$(PIP) install --no-deps --require-hashes --requirement lock/robots.txt
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m robots
+	$(PYTEST) -m robots
 
 lint: $(VENV)/.dev ## Check style and types
 	$(BIN)/ruff check .

@@ -24,6 +24,7 @@ import robomore
 from robomore.envs.registration import make_environment
 from robomore.evaluation.request import Answer
 from robomore.executors import EXECUTORS, Done, Outcome
+from robomore.report import page
 from robomore.settings import preset, with_method
 from robomore.training.policy import MLPPolicy
 from untrained import Untrained
@@ -73,8 +74,16 @@ if "with-policies" not in EXECUTORS:
     EXECUTORS.register("with-policies", WithPolicies)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def still() -> Generator[None]:
+    """Nothing moves in the reports of these runs, which would take seconds."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(page, "recorded", lambda run, key, name: None)
+        yield
+
+
 @pytest.fixture(scope="module")
-def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def home(still: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A project's folder with the runs that the documents speak of."""
     home = tmp_path_factory.mktemp("home")
     (home / "examples").mkdir()

@@ -20,7 +20,11 @@ import msgspec
 
 FOLDERS = (Path(__file__).parent, Path(__file__).parents[1], Path(__file__).parents[1] / "hostile")
 """What the workers import: this module, `untrained.py`, and the quick trainer of `whole.py`."""
-SMOKE = ("run", "swimmer", "--preset", "smoke", "--seed", "1", "--quiet")
+SMOKE = (
+    *("run", "swimmer", "--preset", "smoke", "--seed", "1", "--quiet"),
+    *("--method-option", "rewards=1", "--steps", "1024", "--final-steps", "768"),
+)
+"""Two robots and one reward, refined once, with a final: a run's every stage, and no more."""
 
 
 def command(*arguments: str | Path, work: str = "made_up") -> list[str]:

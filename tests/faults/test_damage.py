@@ -58,7 +58,7 @@ def test_a_damaged_log_of_a_killed_run_costs_what_was_last_written(
 ) -> None:
     choose = random.Random(place)
     out = tmp_path / "run"
-    done = damage(killed_run(out, 5), choose)
+    done = damage(killed_run(out, 4), choose)
     before = robomore_("show", out, "--json")
     if before.status:
         refused(before, done)

@@ -47,7 +47,7 @@ def resize(folder: Path, options: str) -> None:
 @pytest.mark.parametrize(
     ("work", "kib"),
     [
-        ("made_up", 320),
+        ("made_up", 240),
         pytest.param("made_up", 24, marks=pytest.mark.exhaustive),
         *(pytest.param("quick", kib, marks=pytest.mark.exhaustive) for kib in (20, 260, 380, 480)),
     ],
@@ -202,9 +202,9 @@ def test_where_there_is_space_the_fault_is_ours_and_is_told(
     out = tmp_path / "run"
     said = robomore_(*SMOKE, "--out", out)
     assert said.status == 1 and said.err.count("\n") == 1, said.err
-    assert "all 4 candidates failed (4 failed)" in said.err and "No space left" in said.err
+    assert "all 2 candidates failed (2 failed)" in said.err and "No space left" in said.err
     shown = robomore_("show", out)
-    assert shown.status == 0 and "4 failed" in shown.out and "nothing has been trained" in shown.out
+    assert shown.status == 0 and "2 failed" in shown.out and "nothing has been trained" in shown.out
     assert robomore_("report", out).status == 0
 
 
