@@ -20,16 +20,24 @@ import numpy as np
 import onnxruntime
 import pytest
 
+from dog import write_dog
 from robomore.envs.registration import make_environment
-from robomore.errors import InputError
+from robomore.envs.robots import environment_class
+from robomore.errors import ExportFailed, InputError
+from robomore.evaluation.measure import measure
 from robomore.export import export_run
 from robomore.export.card import plain
 from robomore.export.environment import environment_package
+from robomore.export.export import _run_alone
 from robomore.export.folder import PARTS, ensure_free, write_all
 from robomore.export.policies import numpy_module
+from robomore.importer.proposal import write_proposal
+from robomore.importer.reading import read_robot
+from robomore.importer.task_file import read_task
 from robomore.runs import Run, load_run
-from robomore.tasks import TASKS
+from robomore.tasks.portable import task_content, task_from_content
 from robomore.training.policy import MLPPolicy
+from robomore.types import Design, Evaluation, Morphology, Reward
 from shared import made_once
 
 
@@ -74,10 +82,10 @@ def test_the_exported_code_alone_reaches_the_recorded_fitness(exported: Path) ->
 def test_the_onnx_policy_reaches_it_too(exported: Path, package: ModuleType) -> None:
     session = onnxruntime.InferenceSession(exported / "policy" / "policy.onnx")
 
-    def act(observation: Any) -> Any:
-        action = session.run(None, {"observation": np.float32(observation[None])})[0][0]
-        np.testing.assert_allclose(action, package.act(observation), atol=1e-5)
-        return action
+    def act(observations: Any) -> Any:
+        (actions,) = session.run(None, {"observation": np.float32(observations)})
+        np.testing.assert_allclose(actions, package.act(observations), atol=1e-5)
+        return actions
 
     measure = importlib.import_module("swimmer_champion.measure")
     found = measure.measure(measure.RECORDED["seeds"], act)
@@ -171,21 +179,57 @@ def test_a_task_of_somebody_else_needs_robomore(trained_run: Path, exported: Pat
     mjcf = (exported / "robot" / "robot.xml").read_text()
     files = environment_package(own, evaluation, "champion", mjcf, "")
     assert "robomore==" in files["pyproject.toml"].decode()
-    assert "carried_task(TASK" in files["own_champion/env.py"].decode()
+    assert "carried_task('own'" in files["own_champion/env.py"].decode()
     assert files["own_champion/task.json"] == b""
+
+
+FUNCTION = """{ unit = "m", meaning = "far", function = '''
+def fitness(trajectory):
+    return trajectory.distance
+''' }"""
+
+
+@pytest.mark.parametrize(
+    "fitness",
+    [
+        '{ measure = "speed-kept", options = { speed = 0.5 } }',
+        '[{ measure = "time-upright", weight = 2 }, { measure = "energy", weight = -0.001 }]',
+    ],
+)
+def test_a_package_measures_whatever_a_task_file_is_about(
+    fitness: str, trained_run: Path, tmp_path: Path
+) -> None:
+    run, evaluation, policy = of_a_dog(fitness, trained_run, tmp_path)
+    measured = measure(run.task, run.task.reference, policy, 2, seed=evaluation.job.seed)
+    evaluation = replace(evaluation, episode_fitness=measured.episode_fitness)
+    files = environment_package(run, evaluation, "x", "", numpy_module(policy, "dog"))
+    assert _run_alone(files, "dog_x", evaluation) == pytest.approx(measured.episode_fitness)
+
+
+def test_a_function_of_a_task_file_stays_in_its_run(trained_run: Path, tmp_path: Path) -> None:
+    run, evaluation, _ = of_a_dog(FUNCTION, trained_run, tmp_path)
+    environment_package(run, evaluation, "x", "", "")
+    content = task_content(task_from_content(task_content(run.task), trusted=False))
+    foreign = replace(run, task=task_from_content(content))
+    with pytest.raises(ExportFailed, match="dog is a function of its task file, which is not"):
+        environment_package(foreign, evaluation, "x", "", "")
+
+
+def of_a_dog(fitness: str, trained_run: Path, folder: Path) -> tuple[Run, Evaluation, MLPPolicy]:
+    """Return a run, as if it had been one of a task file with this fitness, and what it gave."""
+    source = write_dog(folder)
+    file = write_proposal(read_robot(source), source, folder / "dog")
+    file.write_text(file.read_text().replace('"distance"', fitness))
+    task, run = read_task(file), load_run(trained_run)
+    assert run.champion is not None
+    design = Design(Morphology(task.reference), Reward(task.reward))
+    best = run.champion.best("efficiency")
+    evaluation = replace(best, job=replace(best.job, design=design))
+    robot = environment_class(task)(task, task.reference, lambda *_: (0.0, {}))
+    sizes = robot.observation_space.shape[0], robot.action_space.shape[0]
+    policy = MLPPolicy((np.full(sizes, 0.01, np.float32),), (np.zeros(sizes[1], np.float32),))
+    return replace(run, task=task), evaluation, policy
 
 
 def test_text_of_a_designer_stays_text() -> None:
     assert plain("a|b\n# <b>`x`</b>") == "a\\|b # &lt;b&gt;\\`x\\`&lt;/b&gt;"
-
-
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("task", list(TASKS))
-def test_a_champion_of_each_task_moves_as_recorded(task: str, tmp_path: Path) -> None:
-    from robomore.experiment import run
-    from tiny import TINY
-
-    found = run(task, TINY, seed=1, workers=1, out=tmp_path / "run")
-    done = export_run(found, tmp_path / "out", video_seconds=0.0)
-    assert done.fitness == pytest.approx(done.recorded, rel=0.05, abs=0.02)
-    assert numpy_module(found.load_policy(), "x")

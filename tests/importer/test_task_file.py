@@ -102,6 +102,10 @@ def test_a_fitness_of_ones_own_runs_for_its_author_alone(dog: Path) -> None:
     assert mine(Far()) == 6.0  # type: ignore[arg-type]
     with pytest.raises(Exception, match="not executed"):
         foreign(Far())  # type: ignore[arg-type]
+    kept = task_from_content(content, trusted=False)
+    assert fingerprint(kept) == fingerprint(task), "it counts as the same task"
+    with pytest.raises(Exception, match="not executed"):
+        task_from_content(task_content(kept)).goal(Far())  # type: ignore[arg-type]
 
 
 MISTAKES = {

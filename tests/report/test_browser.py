@@ -212,6 +212,10 @@ def test_the_live_page_follows_a_run(browser: Any, tmp_path: Path, said: list[st
     best = run.fine()
     page.wait_for_selector(f"[data-key={best.key}]", state="attached", timeout=20_000)
     assert faults(page) == []
+    mark = page.locator(f"[data-key={best.key}]").first
+    mark.evaluate("(mark) => mark.dispatchEvent(new MouseEvent('click', {bubbles: true}))")
+    page.wait_for_url(f"**/run/report?name=first#{best.key}")
+    until(page, f"document.querySelector('#design')?.dataset.shown === '{best.key}'")
     page.close()
     server.should_exit = True
     thread.join(10)

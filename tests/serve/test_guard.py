@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import Any
 
 import pytest
@@ -10,6 +9,7 @@ import pytest
 pytest.importorskip("starlette", reason="the extra [serve] is not installed")
 
 from robomore.serve.guard import COOKIE, LOOPBACK, Guard
+from serve.asking import ask
 
 HOST = {"host": "127.0.0.1:8765"}
 
@@ -23,23 +23,8 @@ def asked(
     headers: dict[str, str], method: str = "GET", query: str = "", token: str = ""
 ) -> tuple[int, dict[str, str]]:
     """Return status and headers of the answer to a request."""
-    told: list[Any] = []
-
-    async def send(message: Any) -> None:
-        told.append(message)
-
-    async def receive() -> Any:
-        return {"type": "http.request"}
-
-    scope = {
-        "type": "http",
-        "method": method,
-        "query_string": query.encode(),
-        "headers": [(name.encode(), value.encode()) for name, value in headers.items()],
-    }
-    asyncio.run(Guard(_shown, LOOPBACK, token)(scope, receive, send))
-    found = {name.decode(): value.decode() for name, value in told[0]["headers"]}
-    return told[0]["status"], found
+    answer = ask(Guard(_shown, LOOPBACK, token), f"/?{query}", headers, method)
+    return answer.status, answer.headers
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:8765", "localhost:8765", "[::1]:8765", "LocalHost"])

@@ -12,7 +12,6 @@ import pytest
 pytest.importorskip("starlette", reason="the extra [serve] is not installed")
 pytest.importorskip("sse_starlette", reason="the extra [serve] is not installed")
 
-import anyio
 from starlette.applications import Starlette
 
 from fake_run import NASTY, FakeRun, finished_run
@@ -21,34 +20,13 @@ from robomore.monitor.progress import Progress, ProgressFile, Under, read_progre
 from robomore.rendering.packing import unpack
 from robomore.serve import application
 from robomore.text import to_json
-
-
-def get(app: Starlette, address: str) -> tuple[int, bytes]:
-    """Return status and body of one answer."""
-    path, _, query = address.partition("?")
-    told: list[Any] = []
-
-    async def send(message: Any) -> None:
-        told.append(message)
-
-    async def receive() -> Any:
-        return {"type": "http.request"}
-
-    scope = {
-        "type": "http", "method": "GET", "path": path, "raw_path": path.encode(),
-        "query_string": query.encode(), "root_path": "", "scheme": "http",
-        "headers": [(b"host", b"localhost")], "server": ("localhost", 80), "client": ("::1", 1),
-        "http_version": "1.1",
-    }  # fmt: skip
-    anyio.run(app, scope, receive, send)
-    body = b"".join(one.get("body", b"") for one in told[1:])
-    return told[0]["status"], body
+from serve.asking import ask
 
 
 def page(app: Starlette, address: str) -> str:
-    status, body = get(app, address)
-    assert status == 200, body
-    return body.decode()
+    answer = ask(app, address)
+    assert answer.status == 200, answer.body
+    return answer.body.decode()
 
 
 def told(run: FakeRun, **changes: Any) -> None:
@@ -88,7 +66,7 @@ def test_runs_appear_go_on_end_and_vanish(tmp_path: Path) -> None:
     assert "about" not in page(app, "/run?name=a/first&part=progress")
 
     shutil.rmtree(tmp_path / "a")
-    assert get(app, "/run?name=a/first")[0] == 404
+    assert ask(app, "/run?name=a/first").status == 404
     assert "There is no run here yet" in page(app, "/")
 
 
@@ -120,9 +98,9 @@ def test_only_names_that_are_listed_are_served(tmp_path: Path, name: str) -> Non
     (root / "link").symlink_to(tmp_path / "secret")
     app = application(root)
     for where in ("/run", "/run/report", "/run/replay"):
-        assert get(app, f"{where}?name={name}")[0] == 404
-    assert get(app, "/../secret")[0] == 404
-    assert get(app, "/static/../../secret")[0] == 404
+        assert ask(app, f"{where}?name={name}").status == 404
+    assert ask(app, "/../secret").status == 404
+    assert ask(app, "/static/../../secret").status == 404
     assert "secret" not in page(app, "/")
 
 
@@ -133,10 +111,10 @@ def test_what_moves_and_the_whole_report(trained_run: Path) -> None:
     report = page(app, "/run/report?name=.")
     assert 'data-pack="page"' in report
     key = report.split('data-pack="', 1)[1].split('"', 1)[0]
-    status, body = get(app, f"/run/replay?name=.&key={key}")
-    assert status == 200
-    assert unpack(body)["frames"] > 10
-    assert get(app, "/run/replay?name=.&key=../../etc")[0] == 404
+    answer = ask(app, f"/run/replay?name=.&key={key}")
+    assert answer.status == 200
+    assert unpack(answer.body)["frames"] > 10
+    assert ask(app, "/run/replay?name=.&key=../../etc").status == 404
 
 
 def test_a_run_tells_how_far_it_is_at_most_once_a_second(tmp_path: Path, began: RunBegan) -> None:

@@ -104,7 +104,7 @@ def _print(exported: Exported, printer: Printer) -> None:
     from rich.table import Table
 
     from robomore.export.printing import fitting_scale, in_mm
-    from robomore.runs.words import number
+    from robomore.runs.words import in_unit, number
 
     table = Table(box=None, pad_edge=False)
     for heading in ("piece", "size", "verdict"):
@@ -114,10 +114,12 @@ def _print(exported: Exported, printer: Printer) -> None:
         table.add_row(piece.name, in_mm(piece.extent), verdict)
     console().print(table)
     largest = fitting_scale(list(exported.pieces), printer)
+    here, before = (
+        in_unit(one, "fitness", exported.unit) for one in (exported.fitness, exported.recorded)
+    )
     write(
         f"\nEvery piece fits the bed at --scale {number(largest, 3)} or less.\n"
-        f"fitness:  {number(exported.fitness)} m by the exported code alone, "
-        f"{number(exported.recorded)} m recorded\n"
+        f"fitness:  {here} by the exported code alone, {before} recorded\n"
         f"files:    {len(exported.files)} in {exported.folder}\n"
         f"read:     {exported.folder / 'README.md'}\n"
     )

@@ -19,6 +19,9 @@ from robomore.envs.robots.base import Array
 from robomore.envs.vector_env import VectorEnv
 from robomore.tasks.task import Task
 
+SIDE_BY_SIDE = 10
+"""Episodes that are measured together; it saves nothing to run more in one thread."""
+
 _AT_LIMIT = 0.99
 """Size of a component of an action from which it counts as at its limit of 1."""
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs.measured_env import FALLS, MeasuredEnv, Motion
+from robomore.envs.measured_env import FALLS, SIDE_BY_SIDE, MeasuredEnv, Motion
 from robomore.errors import TrainingDiverged, UnstableSimulation
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
@@ -20,9 +20,6 @@ from robomore.training.rollout import Policy, rollout
 
 _CHOICE_EPISODES = 3
 """Episodes in which policies are compared before the best is measured on others."""
-
-_SIDE_BY_SIDE = 10
-"""Episodes that run together; it saves nothing to run more in one thread."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +87,7 @@ def measure(
         UnstableSimulation: the physics diverged over and over, or a measure of it is not finite.
         FitnessFailed: the task's fitness raised, or gave no finite number.
     """
-    env = MeasuredEnv(task, parameters, min(episodes, _SIDE_BY_SIDE))
+    env = MeasuredEnv(task, parameters, min(episodes, SIDE_BY_SIDE))
     seeds = [derive_seed(seed, "episode", index) for index in range(episodes)]
     return measure_in(env, task, FinitePolicy(policy.weights, policy.biases), seeds)
 

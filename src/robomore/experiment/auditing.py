@@ -13,6 +13,7 @@ from robomore.runs import load_run
 from robomore.store import RunFolder
 from robomore.store.audit import AUDIT, load_audit, save_audit
 from robomore.tasks import Task
+from robomore.tasks.portable import is_foreign
 from robomore.training.policy import POLICY, MLPPolicy
 from robomore.types import Evaluation
 
@@ -33,6 +34,11 @@ def audit_run(folder: str | Path, key: str | None = None) -> Audit:
             f"the task {run.task.id} was edited after the run {run.folder} "
             f"({', '.join(run.task_changes)}), so its policy cannot be audited; install the "
             "version that it was made with"
+        )
+    if is_foreign(run.task.goal):
+        raise InputError(
+            f"the fitness of {run.task.id} is a function of its task file, which is not executed "
+            "from a run's folder, so nothing can be measured anew"
         )
     policy = run.load_policy(key)
     evaluation = run.kept(key)

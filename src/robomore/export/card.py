@@ -100,13 +100,14 @@ def _numbers(run: Run, evaluation: Evaluation, again: Sequence[float]) -> list[s
             lines.append(f"| {label(key)} | {measured(key, evaluation.behaviour[key])} |")
     lines.append("")
     if champion.fitness and len(champion.evaluations) > 1:
-        said = with_interval(champion.fitness, "m")
+        said = with_interval(champion.fitness, unit)
         lines += [f"Over all training seeds of this design, the fitness is {said}.", ""]
+    of_unit = f" {unit}" if unit else ""
     here, before = sum(again) / len(again), sum(episodes[: len(again)]) / len(again)
     return [
         *lines,
         f"When this folder was made, its own code ran {len(again)} of these episodes and reached",
-        f"{number(here, 6)} m; {number(before, 6)} m were recorded for the same episodes.",
+        f"{number(here, 6)}{of_unit}; {number(before, 6)}{of_unit} stands in the record of them.",
         "",
     ]
 

@@ -1,8 +1,9 @@
 """A robot, its reward and its policy as a Python package that anybody can install.
 
-The robots of this package are Gymnasium's own classes with another model, so the exported package
-needs Gymnasium, MuJoCo and NumPy alone. The class of a task of somebody else's stays where it is:
-such a package names RoboMoRe, and the task has to be installed too.
+The robots of this package are Gymnasium's own classes with another model, and distance and height
+are read off a robot at once, so the package of one of the eight tasks needs Gymnasium, MuJoCo and
+NumPy alone. Any other class and any other measure of fitness stays where it is: such a package
+names RoboMoRe, and a task of an installed package has to be installed too.
 """
 
 from __future__ import annotations
@@ -16,12 +17,13 @@ from typing import Any
 
 import gymnasium
 
+from robomore.envs.measured_env import SIDE_BY_SIDE
 from robomore.errors import ExportFailed
 from robomore.export.templates import template
 from robomore.identity import derive_seed
 from robomore.runs import Run
 from robomore.store.manifest import package_versions
-from robomore.tasks.portable import task_content
+from robomore.tasks.portable import is_foreign, task_content
 from robomore.tasks.task import Task
 from robomore.text import one_line, to_json
 from robomore.types import Evaluation
@@ -48,9 +50,6 @@ class _Official:
     overrides: str = ""
 
 
-_MEASURED = ("distance", "height")
-"""What an exported package can measure by itself."""
-
 _OFFICIAL = {
     "robomore.envs.robots.ant:AntEnvironment": _Official("ant_v5", "AntEnv", "robot.data.qpos[2]"),
     "robomore.envs.robots.hopper:HopperEnvironment": _Official("hopper_v5", "HopperEnv"),
@@ -73,7 +72,7 @@ _OFFICIAL = {
 }
 
 _MEASURED = ("distance", "height")
-"""Measures of fitness that `measure.py` of the package knows."""
+"""Measures of fitness for which a package needs no RoboMoRe."""
 
 
 def package_name(task: Task, name: str) -> str:
@@ -90,7 +89,7 @@ def environment_id(task: Task, name: str) -> str:
 
 def stands_alone(task: Task) -> bool:
     """Return whether the package of a task needs no RoboMoRe."""
-    return task.environment in _OFFICIAL
+    return task.environment in _OFFICIAL and task.goal.name in _MEASURED
 
 
 def environment_package(
@@ -106,27 +105,25 @@ def environment_package(
         policy: text of the module that acts.
 
     Raises:
-        ExportFailed: the task's options cannot be written down, or its fitness is another one than
-            distance or height.
+        ExportFailed: the task's options cannot be written down, or its fitness is a function of
+            a task file.
     """
     task, package = run.task, package_name(run.task, name)
-    if task.goal.name not in _MEASURED:
+    alone = stands_alone(task)
+    if is_foreign(task.goal):
         raise ExportFailed(
-            f"{task.id} is about {task.goal.name}, and an exported package measures "
-            f"{' or '.join(_MEASURED)} alone"
+            f"the fitness of {task.id} is a function of its task file, which is not executed from "
+            "a run's folder, so that an export could not be checked; a named measure or a task of "
+            "a package can be exported"
         )
     parameters = evaluation.design.morphology.parameters
-    if task.goal.name not in _MEASURED:
-        raise ExportFailed(
-            f"the fitness of {task.id} is {task.goal.name!r}, which the exported code cannot "
-            f"measure; it knows {' and '.join(_MEASURED)}"
-        )
     common = {
         "title": one_line(f"{task.title}, {name}").replace('"', "'").replace("\\", "/"),
         "package": package,
         "distribution": package.replace("_", "-"),
         "id": environment_id(task, name),
         "fitness": task.goal.name,
+        "unit": f" in {task.goal.unit}" if task.goal.unit else "",
         "episode_steps": str(task.episode_steps),
         "dependencies": json.dumps(_dependencies(task)),
     }
@@ -134,37 +131,38 @@ def environment_package(
         "__init__.py": template("init.py", **common),
         "__main__.py": template("main.py", **common),
         "env.py": _environment(task, parameters, common),
-        "measure.py": template("measure.py"),
+        "measure.py": template("measure.py" if alone else "measure_with_robomore.py", **common),
         "policy.py": policy,
         "reward.py": evaluation.design.reward.source,
         "robot.xml": mjcf,
         "recorded.json": to_json(recorded(evaluation)).decode() + "\n",
     }
     files = {f"{package}/{file}": text.encode() for file, text in inner.items()}
-    if not stands_alone(task):
+    if not alone:
         files[f"{package}/task.json"] = task_content(task)
     return files | {"pyproject.toml": template("pyproject.toml", **common).encode()}
 
 
 def recorded(evaluation: Evaluation) -> dict[str, Any]:
-    """Return how a policy was measured: the seed and the fitness of each episode."""
+    """Return how a policy was measured: seed and fitness of each episode, and how many at once."""
     episodes = range(len(evaluation.episode_fitness))
     return {
+        "rows": min(len(episodes), SIDE_BY_SIDE),
         "seeds": [derive_seed(evaluation.job.seed, "episode", index) for index in episodes],
         "episode_fitness": list(evaluation.episode_fitness),
     }
 
 
 def _environment(task: Task, parameters: tuple[float, ...], common: Mapping[str, str]) -> str:
-    official = _OFFICIAL.get(task.environment)
-    if official is None:
+    if not stands_alone(task):
         return template(
             "env_with_robomore.py",
             task=task.id,
             task_name=repr(task.id),
             parameters=pprint.pformat(task.named(parameters), sort_dicts=False),
-            **{key: common[key] for key in ("title", "fitness", "episode_steps")},
+            **{key: common[key] for key in ("title", "episode_steps")},
         )
+    official = _OFFICIAL[task.environment]
     options = task.options(task.named(parameters))
     written = pprint.pformat(options, sort_dicts=False)
     if not _is_plain(options):

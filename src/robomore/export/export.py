@@ -29,6 +29,7 @@ from robomore.export.urdf import MESHES, write_urdf
 from robomore.rendering.recording import record
 from robomore.rendering.video import write_video
 from robomore.runs import Run
+from robomore.runs.words import in_unit
 from robomore.training.policy import MLPPolicy
 from robomore.types import Evaluation
 
@@ -50,8 +51,9 @@ class Exported:
         folder: that was written.
         files: paths in it.
         pieces: of the robot, and whether each can be printed; the last one is the whole.
-        fitness: mean of the episodes that the exported code ran, in m.
-        recorded: mean of the same episodes as the run recorded them, in m.
+        fitness: mean of the episodes that the exported code ran, in `unit`.
+        recorded: mean of the same episodes as the run recorded them, in `unit`.
+        unit: of the task's fitness; empty for a number without one.
     """
 
     folder: Path
@@ -59,6 +61,7 @@ class Exported:
     pieces: tuple[Piece, ...]
     fitness: float
     recorded: float
+    unit: str
 
 
 def export_run(
@@ -100,7 +103,8 @@ def export_run(
     facts = {
         "task": task.id,
         "evaluation": evaluation.key,
-        "fitness_m": repr(evaluation.fitness),
+        "fitness": repr(evaluation.fitness),
+        "fitness_unit": run.fitness_unit,
         "robomore": run.manifest.versions.get("robomore", ""),
     }
     module = numpy_module(policy, f"{task.id}, {_file_name(name)}")
@@ -116,7 +120,7 @@ def export_run(
     tell("episodes, run by the exported code alone")
     again = _run_alone(package, package_name(task, _file_name(name)), evaluation)
     before = evaluation.episode_fitness[: len(again)]
-    _warn_if_apart(again, evaluation)
+    _warn_if_apart(again, evaluation, run.fitness_unit)
     tell("pieces for a printer")
     pieces = pieces_of(model, printer)
     for piece in pieces:
@@ -138,7 +142,12 @@ def export_run(
     files["README.md"] = card.encode()
     write_all(to, files, {**facts, "pieces": [_facts(piece) for piece in pieces]})
     return Exported(
-        to, tuple(sorted(files)), tuple(pieces), float(np.mean(again)), float(np.mean(before))
+        to,
+        tuple(sorted(files)),
+        tuple(pieces),
+        float(np.mean(again)),
+        float(np.mean(before)),
+        run.fitness_unit,
     )
 
 
@@ -214,18 +223,18 @@ def _run_alone(package: Mapping[str, bytes], name: str, evaluation: Evaluation) 
     return found
 
 
-def _warn_if_apart(again: list[float], evaluation: Evaluation) -> None:
+def _warn_if_apart(again: list[float], evaluation: Evaluation, unit: str) -> None:
     """Warn where the exported code moves the robot otherwise than the run recorded."""
     episodes = evaluation.episode_fitness
     low, high = min(episodes), max(episodes)
     slack = max(1e-6, 0.5 * (high - low))
     if not low - slack <= float(np.mean(again)) <= high + slack:
         log.warning(
-            "the exported policy reaches %.4g m where the run recorded %.4g to %.4g m: packages or "
-            "the task differ from those of the run",
-            np.mean(again),
+            "the exported policy reaches %s where the run recorded %.4g to %s: packages or the "
+            "task differ from those of the run",
+            in_unit(float(np.mean(again)), "fitness", unit),
             low,
-            high,
+            in_unit(high, "fitness", unit),
         )
 
 

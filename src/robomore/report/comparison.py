@@ -37,7 +37,7 @@ class Group:
     Attributes:
         task: title of the task.
         name: of the method, with the designer.
-        kind: class of its colour.
+        kind: classes of its colour and dashes.
         runs: with different seeds.
     """
 
@@ -77,12 +77,14 @@ def render_comparison(runs: Sequence[Run]) -> str:
     packs, moving = _episodes(groups)
     tasks = list(dict.fromkeys(group.task for group in groups))
     units = {run.fitness_unit for run in runs}
+    compared = {label(run.objective, run.fitness_unit) for run in runs}
     page = (
         templates()
         .get_template("comparison.html")
         .render(
             runs=runs,
             unit=units.pop() if len(units) == 1 else "",
+            found=compared.pop() if len(compared) == 1 else "",
             groups=groups,
             rows=_rows(groups),
             lines=Comparison(tuple(runs)).rows(),
@@ -108,9 +110,14 @@ def _groups(runs: Sequence[Run]) -> list[Group]:
         found.setdefault((run.task.title, name), []).append(run)
     names = list(dict.fromkeys(name for _, name in found))
     return [
-        Group(task, name, f"term-{names.index(name) % _COLOURS}", tuple(those))
+        Group(task, name, _kind(names.index(name)), tuple(those))
         for (task, name), those in found.items()
     ]
+
+
+def _kind(number: int) -> str:
+    """Return the classes of a method's line: a colour, and dashes where colours come again."""
+    return f"term-{number % _COLOURS}" + (" again" if number >= _COLOURS else "")
 
 
 def _rows(groups: Sequence[Group]) -> list[dict[str, Any]]:

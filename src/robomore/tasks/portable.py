@@ -50,6 +50,7 @@ class FitnessTerm:
         function: text of a Python function of a `Trajectory`, in the place of a named measure.
         unit: of what the function returns.
         meaning: of it, in words.
+        foreign: whether the function came out of a run's folder, so that no process executes it.
     """
 
     measure: str = ""
@@ -58,6 +59,7 @@ class FitnessTerm:
     function: str = ""
     unit: str = ""
     meaning: str = ""
+    foreign: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +126,8 @@ def make_fitness(
         if term.function:
             if NAME not in term.function:
                 raise InputError(f"the function of the fitness has to define {NAME}(trajectory)")
-            own = partial(_own_value, term.function if trusted else "")
+            executed = trusted and not term.foreign
+            own = partial(_own_value if executed else _not_executed, term.function)
             meaning = term.meaning or "a function of its own"
             parts.append((term.weight, Fitness.own(own, unit=term.unit, meaning=meaning)))
         else:
@@ -138,22 +141,36 @@ NAME = "fitness"
 """Name of a function of one's own in a task file."""
 
 
+def is_foreign(fitness: Fitness) -> bool:
+    """Return whether a fitness has a function that came out of a run's folder."""
+    functions = [term.measure.function for term in fitness.terms]
+    return any(getattr(one, "func", None) is _not_executed for one in functions)
+
+
 def _as_data(term: Term) -> FitnessTerm:
     function = term.measure.function
     if isinstance(function, partial):
         measure = term.measure
         (source,) = function.args
-        return FitnessTerm("", {}, term.weight, source, measure.unit, measure.meaning)
+        foreign = function.func is _not_executed
+        return FitnessTerm("", {}, term.weight, source, measure.unit, measure.meaning, foreign)
     return FitnessTerm(term.name, dict(term.options), term.weight)
 
 
 def _own_value(source: str, trajectory: Trajectory) -> float:
     """Return what the function in `source`, the text of a person's own task file, gives."""
-    if not source:
-        raise InputError("the fitness is a function of somebody else's file; it is not executed")
     namespace: dict[str, Any] = {}
     exec(compile(source, "<fitness>", "exec"), namespace)
     return float(namespace[NAME](trajectory))
+
+
+def _not_executed(source: str, trajectory: Trajectory) -> float:
+    """Refuse a function that came out of a run's folder, which may be somebody else's.
+
+    Raises:
+        InputError: always.
+    """
+    raise InputError("the fitness is a function that a run's folder holds; it is not executed")
 
 
 def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:

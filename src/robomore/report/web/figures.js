@@ -1,8 +1,14 @@
 // Figures whose marks say more: pointed at, tapped, or reached with the arrow keys.
 
+// A live page wires what is new in it again and again; what was there already is left alone.
+const wired = new WeakSet();
+
 // `open(key)` is called for a mark of an evaluation that is chosen.
 export function wireFigures(open, root = document) {
-  for (const figure of root.querySelectorAll("svg.figure.marked")) wire(figure, open);
+  for (const figure of root.querySelectorAll("svg.figure.marked")) {
+    if (!wired.has(figure)) wire(figure, open);
+    wired.add(figure);
+  }
 }
 
 function wire(figure, open) {

@@ -35,19 +35,33 @@ async function renew(element, address) {
   renewed(element);
 }
 
+// Says why nothing moves, as long as nothing does.
+function say(words) {
+  const waiting = document.querySelector(".player.live .waiting");
+  if (waiting) waiting.textContent = words;
+}
+
 // Wires what is new, and shows another robot where another one is the best now.
 async function renewed(element) {
   wireTables(element);
-  wireFigures(() => {}, element);
+  // The whole report opens with the design that was chosen.
+  wireFigures((key) => {
+    const report = element.querySelector('a[href^="/run/report"]');
+    if (report) location.href = `${report.href}#${key}`;
+  }, element);
   const wanted = element.querySelector("[data-moving]");
   if (!wanted || !wanted.dataset.moving || wanted.dataset.moving === moving) return;
   moving = wanted.dataset.moving;
   const shown = JSON.parse(moving);
+  // The first to look at a design waits while its episode is simulated.
+  say(shown.length ? "The robot is being recorded …" : "No policy has been kept yet.");
+  if (!shown.length) return;
   const found = (await Promise.all(shown.map(async ([address, name]) => {
     const answer = await fetch(address).catch(() => null);
     return answer?.ok ? [name, await unpack(await answer.arrayBuffer())] : null;
   }))).filter(Boolean);
-  if (!found.length || moving !== wanted.dataset.moving) return;
+  if (moving !== wanted.dataset.moving) return;
+  if (!found.length) return say("There is no policy that can be shown.");
   player?.dispose();
   const place = document.querySelector(".player.live");
   const fresh = document.querySelector("template#player").content.cloneNode(true).firstElementChild;

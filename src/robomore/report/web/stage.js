@@ -78,7 +78,7 @@ export class Stage {
   }
 
   columns(width) {
-    return width < 560 ? 1 : Math.min(this.views.length, 4);
+    return Math.min(this.views.length, width > 560 ? 4 : this.views.length > 4 ? 2 : 1);
   }
 
   // Shows all robots as they are `seconds` after their starts.
