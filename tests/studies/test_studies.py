@@ -68,7 +68,7 @@ def table(out: Path, name: str) -> list[list[str]]:
 def test_the_comparison_has_every_method() -> None:
     arms = [cell.arm.name for cell in cells_of(STUDIES.get("comparison"), [], scale("smoke"), 1)]
     own = [name for name in METHODS if name != "given"]
-    assert arms == [*own, "robomore-from-slim-reference"] * 2
+    assert arms == [*own, "robomore-from-slim-reference", "cmaes-from-slim-reference"] * 2
 
 
 def test_an_arm_starts_from_what_it_says_and_another_start_is_another_run(tmp_path: Path) -> None:

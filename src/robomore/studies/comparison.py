@@ -12,16 +12,24 @@ from robomore.studies.table import Table
 
 SLIM = "slim-reference"
 
+_BEGIN = ("robomore", "cmaes")
+"""Methods that are run once more, from the slimmed human design."""
+
 
 def _arms() -> tuple[Arm, ...]:
-    """Return every method that searches, and `robomore` from the slimmed human design.
+    """Return every method that searches, and two of them from the slimmed human design.
 
     The presets' own method keeps their options for it.
     """
     names = [name for name in METHODS if name != GIVEN]
-    own = [Arm(name, {} if name == "robomore" else {"method": name}) for name in names]
-    # What a user would do who knows the slimmed human design: begin with it.
-    return (*own, Arm(f"robomore-from-{SLIM}", start_from=(SLIM,)))
+    changes: dict[str, dict[str, object]] = {
+        name: {} if name == "robomore" else {"method": name} for name in names
+    }
+    own = [Arm(name, change) for name, change in changes.items()]
+    # What a user would do who knows the slimmed human design: begin with it, and that needs no
+    # method of the paper.
+    begun = [Arm(f"{name}-from-{SLIM}", changes[name], start_from=(SLIM,)) for name in _BEGIN]
+    return (*own, *begun)
 
 
 def _slim(results: Results) -> dict[str, float]:
