@@ -68,7 +68,7 @@ def test_the_exported_code_alone_reaches_the_recorded_fitness(exported: Path) ->
         "print(json.dumps([found, m.RECORDED['episode_fitness']]))"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-B", "-c", code],
         cwd=exported / "environment",
         capture_output=True,
         text=True,
