@@ -122,8 +122,10 @@ def test_the_folder_holds_what_its_record_says(exported: Path) -> None:
     assert {"print/whole.stl", "print/whole.3mf", "video.webp", "README.md"} <= files
     card = (exported / "README.md").read_text()
     assert "| whole | " in card
-    # 3.2 m do not fit a bed of 256 mm, so the word stands nowhere.
-    assert not any(piece["printable"] for piece in record["pieces"]) and "printable" not in card
+    # The word stands where a piece fits a bed of 256 mm, and nowhere else.
+    fits = [max(piece["extent_mm"]) <= 256 for piece in record["pieces"]]
+    assert [piece["printable"] for piece in record["pieces"]] == fits and not fits[-1]
+    assert card.count("printable") == sum(fits)
 
 
 def test_only_a_free_folder_is_written(exported: Path, trained_run: Path, tmp_path: Path) -> None:
