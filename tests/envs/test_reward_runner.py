@@ -150,6 +150,10 @@ def test_forces_are_computed_for_robots_that_do_not_observe_them(task: str) -> N
         "np.copyto(self.data.qvel, 9.0)",
         "self.data.xfrc_applied[:] = 9.0",
         "self.data.contact[0].dist = 1.0",
+        "self.data.qvel.base[0] = 50.0",
+        "self.data.qpos.base.fill(3.0)",
+        "self.data.qvel.setflags(write=True)",
+        "self.data.qvel.flags.writeable = True",
     ],
 )
 def test_a_reward_cannot_change_the_physics(attack: str) -> None:

@@ -124,6 +124,21 @@ MISTAKES = {
     "an unknown sensor": ("control_hz", 'sensors = ["gyr"]\ncontrol_hz', "there are gyro"),
     "no robot": ('"robot.xml"', '"robt.xml"', r"robt\.xml is no robot"),
     "a joint that is none": ("FL_knee =", "FL_nee =", "nothing is called 'FL_nee'"),
+    "a joint beyond its range": ("FL_knee =", "FL_knee = 9.0 #", "FL_knee = 9, which is outside"),
+    "no part": ("of = [", "of = [] #", "`of` is empty"),
+    "a word of Python's": ('name = "thigh_length"', 'name = "lambda"', "no word of Python's"),
+    "a tilt below 0": ("tilt_degrees = ", "tilt_degrees = -", "tilt_degrees = -.*above 0"),
+    "no turn": (
+        "[home.joints]",
+        "[home]\nupright = [0, 0, 0, 0]\n[home.joints]",
+        "upright = .* not 0",
+    ),
+    "brackets": ('mass = "length"', "mass = " + 100_000 * "[", "nested too deeply"),
+    "an endless torque": (
+        "[[parameter]]\n",
+        '[[actuator]]\njoints = ["FL_hip"]\nkind = "motor"\ntorque = 1e12\n[[parameter]]\n',
+        r"torque = 1e\+12; give a number",
+    ),
 }
 
 
@@ -132,6 +147,30 @@ def test_a_mistake_is_named(dog: Path, mistake: str) -> None:
     old, new, said = MISTAKES[mistake]
     with pytest.raises(InputError, match=said):
         get_task(str(edited(dog, old, new)))
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("return float('nan')", "gave nan, no finite number"),
+        ("return trajectory.way", "raised AttributeError"),
+        ("return 'far'", "raised ValueError"),
+        ("return (", "does not|syntax|never closed"),
+    ],
+)
+def test_a_fitness_that_cannot_work_is_found_before_training(
+    dog: Path, body: str, said: str
+) -> None:
+    source = f"def fitness(trajectory):\n    {body}\n"
+    text = f"fitness = {{ function = '''{source}''', unit = \"m\", meaning = \"how far\" }}"
+    with pytest.raises((AssertionError, InputError), match=said):
+        check_task(read_task_file(edited(dog, 'fitness = "distance"', text)).task)
+
+
+def test_episodes_that_end_at_once_are_found_before_training(dog: Path) -> None:
+    task = read_task_file(edited(dog, "height = [0.5,", "height = [1.5,")).task
+    with pytest.raises(AssertionError, match="each ends at once"):
+        check_task(task)
 
 
 def test_a_robot_without_motors_is_given_some_and_refused_without(tmp_path: Path) -> None:

@@ -107,6 +107,11 @@ def test_an_archive_is_bounded_and_has_each_name_once(tmp_path: Path) -> None:
     np.savez(path, **{f"x{i}": np.zeros(1, "<f4") for i in range(9)})
     with pytest.raises(UntrustedFileError, match="too many"):
         read_arrays(path, 100_000, 8)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("x.npy", b"")
+        archive.infolist()[0].extra = bytes(60_000)  # in the list at the end alone
+    with pytest.raises(UntrustedFileError, match="too many"):
+        read_arrays(path, 100_000, 8)
     content = io.BytesIO()
     np.save(content, np.zeros(3, "<f4"))
     for names in (("x.npy", "x.npy"), ("x",), ("x.txt",)):

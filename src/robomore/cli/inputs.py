@@ -35,7 +35,7 @@ def read_parameters(task: Task, given: str) -> tuple[float, ...]:
     text = read_text(Path(given), f"name a JSON file, or `{REFERENCE}` for the official robot")
     try:
         found = json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(
             f"{given} is not JSON ({error}); write a list in the task's order or an object by name"
         ) from None

@@ -73,11 +73,8 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
     from robomore.testing.tasks import check_task as check
 
     if task.endswith(SUFFIX):
-        read = read_task_file(Path(task))
-        chosen = read.task
-        _tell(read)
-    else:
-        chosen = get_task(task)
+        _tell(read_task_file(Path(task)))
+    chosen = get_task(task)
     _tell_simulated(chosen)
     if picture is not None:
         save_picture(draw_free(chosen), picture, chosen.title)

@@ -84,9 +84,12 @@ class ReadOnly:
 
     def _wrap(self, value: Any) -> Any:
         if isinstance(value, np.ndarray):
-            view = value.copy() if self._constant else value.view()
-            view.flags.writeable = False
-            return view
+            if not self._constant:
+                # A view of a view could be made writable again.
+                return np.asarray(value.data.toreadonly())
+            copy = value.copy()
+            copy.flags.writeable = False
+            return copy
         if type(value) in _PLAIN or isinstance(value, np.generic):
             return value
         if type(value).__module__.startswith("mujoco"):

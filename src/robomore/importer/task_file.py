@@ -6,9 +6,11 @@ anything is simulated, and each mistake is answered with the line's name, its va
 
 from __future__ import annotations
 
+import math
 import tomllib
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from keyword import iskeyword
 from pathlib import Path
 from typing import Literal
 
@@ -23,6 +25,9 @@ from robomore.importer.strength import strength_of
 from robomore.tasks.fitness import Fitness
 from robomore.tasks.portable import FitnessTerm, make_fitness
 from robomore.tasks.task import Parameter, Task
+
+_MOST_OF_A_MOTOR = 1e6
+"""Largest number that an `[[actuator]]` may have, each in its SI unit."""
 
 
 class ParameterTable(msgspec.Struct, forbid_unknown_fields=True):
@@ -142,6 +147,8 @@ def _table(path: Path) -> TaskTable:
         ) from None
     except UnicodeDecodeError:
         raise InputError(f"{path} is no text in UTF-8; save it as such") from None
+    except RecursionError:
+        raise InputError(f"{path} is nested too deeply; write it out flat") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is no TOML: {error}; correct that line") from None
     except msgspec.ValidationError as error:
@@ -180,8 +187,12 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
         )
         for one in table.actuator
     )
+    driven: set[str] = set()
     for one in motors:
         for name in one.joints:
+            if name in driven:
+                faults.append(f"[[actuator]]: two name the joint `{name}`; name it in one")
+            driven.add(name)
             limited = bool(model.joint(name).range.any())
             if one.kind == "servo" and not limited:
                 faults.append(
@@ -219,8 +230,14 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
                 given.name, given.low, given.high, reference, given.meaning, unit, given.scale
             )
         )
-    for name in table.home.joints:
-        resolved([name], joints, "[home] joints")
+    for name, angle in table.home.joints.items():
+        if resolved([name], joints, "[home] joints") and name in joints:
+            low, high = model.joint(name).range
+            if low < high and not low <= angle <= high:
+                faults.append(
+                    f"[home] {name} = {angle:g}, which is outside its range of {low:.4g} to "
+                    f"{high:.4g}"
+                )
     if not table.parameter:
         faults.append("it has no [[parameter]]: nothing is free")
     names = [one.name for one in table.parameter]
@@ -270,8 +287,13 @@ def _fitness(table: TaskTable) -> Fitness:
 
 def _parameter_faults(given: ParameterTable) -> list[str]:
     faults = []
-    if not given.name.isidentifier():
-        faults.append(f"[[parameter]] {given.name!r}: give a name of letters, digits and _")
+    if not given.of:
+        faults.append(f"[[parameter]] {given.name}: `of` is empty; name the parts that it changes")
+    if not given.name.isidentifier() or iskeyword(given.name):
+        faults.append(
+            f"[[parameter]] {given.name!r}: give a name of letters, digits and _ that is no word "
+            "of Python's"
+        )
     if not 0 < given.low < given.high:
         faults.append(
             f"[[parameter]] {given.name}: low = {given.low:g} and high = {given.high:g}; low has "
@@ -294,6 +316,27 @@ def _number_faults(table: TaskTable) -> list[str]:
         value = getattr(table, name)
         if not low <= value <= high:
             faults.append(f"{name} = {value:g}; give a number from {low:g} to {high:g}")
+    tilt = table.health.tilt_degrees
+    if tilt is not None and not 0 < tilt <= 180:
+        faults.append(
+            f"[health] tilt_degrees = {tilt:g}; give a number above 0, 180 at most, or leave it out"
+        )
+    if table.home.upright is not None and not 0 < math.hypot(*table.home.upright) < math.inf:
+        faults.append(
+            f"[home] upright = {list(table.home.upright)}; give a quaternion (w, x, y, z) that is "
+            "not 0"
+        )
+    for one in table.actuator:
+        for name in ("torque", "stiffness", "damping", "armature"):
+            if not 0 <= (value := getattr(one, name)) <= _MOST_OF_A_MOTOR:
+                faults.append(
+                    f"[[actuator]] {name} = {value:g}; give a number from 0 to {_MOST_OF_A_MOTOR:g}"
+                )
+        if one.kind == "motor" and one.stiffness:
+            faults.append(
+                f"[[actuator]] stiffness = {one.stiffness:g} is a servo's; leave it out, or give "
+                'kind = "servo"'
+            )
     if table.health.height[0] >= table.health.height[1]:
         faults.append(f"[health] height = {list(table.health.height)}; the first has to be smaller")
     if not table.id or not all(one.isalnum() or one in "-_" for one in table.id):

@@ -89,6 +89,12 @@ def _check_signature(function: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterat
         yield Finding(
             function.lineno, "error", f"`{NAME}` must take (self, x_velocity, action), not ({said})"
         )
+    elif names[1:3] == ["action", "x_velocity"]:
+        yield Finding(
+            function.lineno,
+            "error",
+            f"`{NAME}` is given (self, x_velocity, action) in this order; exchange the two names",
+        )
 
 
 def _check_returns(function: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[Finding]:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.read_only import Bounds, ReadOnly
 from robomore.envs.reward_program import RewardProgram
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidReward, UnstableSimulation
@@ -96,6 +97,7 @@ def _outside(simulations: VectorEnv) -> dict[str, int]:
     found = {}
     modules = [sys.modules[name] for name in sorted(MODULES) if name in sys.modules]
     holders: list[Any] = [builtins, *modules, np.random, *type(simulations.environment).__mro__]
+    holders += [ReadOnly, Bounds]
     for holder in holders:
         for name, value in vars(holder).items():
             if not isinstance(value, type(np)):  # NumPy loads some of its modules late

@@ -41,6 +41,8 @@ def _imports(node: ast.AST) -> Iterator[Finding]:
             if module == "functools":
                 for alias in names:
                     yield from _cache(node, alias.name)
+            if any(alias.name == "*" for alias in names):
+                yield Finding(node.lineno, "error", "name what you import in the place of `*`")
             if module == "numpy" and "random" in (alias.name for alias in names):
                 yield Finding(node.lineno, "error", f"cannot import `random`; {_DRAW}")
         case _:
@@ -118,6 +120,8 @@ def _attributes(node: ast.AST) -> Iterator[Finding]:
         yield Finding(node.lineno, "error", f"`.{name}` is not for rewards")
     if name in ("tofile", "dump"):
         yield Finding(node.lineno, "error", f"`.{name}` writes a file; a reward cannot")
+    if name == "setflags":
+        yield Finding(node.lineno, "error", "`.setflags` is not for rewards; change a copy")
     if name == "ctypes":
         yield Finding(node.lineno, "error", "`.ctypes` gives addresses, which are never the same")
     read = isinstance(node.ctx, ast.Load)
@@ -221,11 +225,31 @@ RULES: tuple[Callable[[ast.AST], Iterator[Finding]], ...] = (
 
 
 def changed_imports(tree: ast.Module) -> Iterator[Finding]:
-    """Find each place where something imported is given an attribute."""
+    """Find each place where something imported, or a class of another's, is given an attribute.
+
+    Under another name, too: after `cls = type(self)` or `norm = np.linalg.norm`.
+    """
     imported = {"np", "numpy", "math"}
     for node in ast.walk(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):
             imported |= {(it.asname or it.name).partition(".")[0] for it in node.names}
+    others: dict[str, list[ast.expr]] = {}
+    for node in ast.walk(tree):
+        match node:
+            case ast.Assign(targets=[*targets], value=value):
+                for target in targets:
+                    if isinstance(target, ast.Name):
+                        others.setdefault(target.id, []).append(value)
+            case ast.NamedExpr(target=ast.Name(id=name), value=value):
+                others.setdefault(name, []).append(value)
+
+    def shared(value: ast.expr) -> bool:
+        if isinstance(value, ast.Call):
+            return isinstance(value.func, ast.Name) and value.func.id == "type"
+        return (path_of(value) or [""])[0] in imported
+
+    for _ in others:  # a name of a name of a name
+        imported |= {name for name, values in others.items() if any(map(shared, values))}
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load):
             path = path_of(node)

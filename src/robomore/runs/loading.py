@@ -119,7 +119,8 @@ def _passed_over(
     told = finished.get("passed_over", [])
     said = []
     for one in told if isinstance(told, list) else []:
-        keys = one.get("keys", []) if isinstance(one, dict) else []
+        keys = one.get("keys") if isinstance(one, dict) else None
+        keys = keys if isinstance(keys, list) else []
         group = [by_key[str(key)] for key in keys if str(key) in by_key]
         scores = [s for r in group if (s := r.evaluation.score(manifest.settings.objective))]
         if scores:

@@ -7,6 +7,7 @@ import math
 import os
 import re
 import stat
+import struct
 import zipfile
 from pathlib import Path
 
@@ -57,6 +58,7 @@ def read_arrays(path: Path, most_bytes: int, most_members: int) -> dict[str, NDA
             inflated, or believed that a header says of sizes.
     """
     content = read_file(path, most_bytes)
+    _check_list(path, content, most_members)
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = archive.infolist()
@@ -75,6 +77,29 @@ def read_arrays(path: Path, most_bytes: int, most_members: int) -> dict[str, NDA
         raise
     except _BROKEN as error:
         raise UntrustedFileError(f"{path.name} is no file of arrays: {error}") from None
+
+
+def _check_list(path: Path, content: bytes, most_members: int) -> None:
+    """Refuse an archive whose list of members is long, before `zipfile` reads all of the list.
+
+    NumPy writes no comment, so that the end record is what an archive ends with, and a record of
+    the larger form would stand before it.
+    """
+    end, larger = content[-_END.size :], content[-_END.size - 20 : -_END.size]
+    if len(end) < _END.size or larger.startswith(b"PK\x06\x07"):
+        raise UntrustedFileError(f"{path.name} is not what NumPy writes")
+    mark, members, list_bytes = _END.unpack(end)
+    if mark != b"PK\x05\x06":
+        raise UntrustedFileError(f"{path.name} is not what NumPy writes")
+    if members > most_members or list_bytes > _MOST_OF_A_MEMBER * most_members:
+        raise UntrustedFileError(f"{path.name} holds too many arrays, or too large ones")
+
+
+_END = struct.Struct("<4s6xHI6x")
+"""The end record of an archive: its mark, how many members there are, and the size of their list
+in bytes."""
+_MOST_OF_A_MEMBER = 512
+"""Bytes that one member may take in the list."""
 
 
 def _array(content: bytes) -> NDArray[np.float32]:

@@ -7,9 +7,17 @@ import math
 import numpy as np
 
 from robomore.envs.compile import body_facts, compile_model, model_volume
+from robomore.envs.measured_env import MeasuredEnv
 from robomore.envs.reward_text import reward_function
+from robomore.envs.try_out import try_out
 from robomore.envs.vector_env import VectorEnv
-from robomore.errors import InvalidMorphology, InvalidReward, RewardFailed
+from robomore.errors import (
+    FitnessFailed,
+    InvalidMorphology,
+    InvalidReward,
+    RewardFailed,
+    UnstableSimulation,
+)
 from robomore.rewards.continuation import check_continuation
 from robomore.search.random import drawn
 from robomore.tasks import Task
@@ -57,6 +65,7 @@ def check_task(task: Task) -> None:
         assert math.isfinite(volume) and volume > 0, f"{parameters} has the volume {volume}"
         _check_motion(task, parameters, seed)
     _check_motion(task, reference, DRAWS)
+    _check_episode(task, reference)
     try:
         check_continuation(task, reference, reward_function(task.reward))
     except (InvalidReward, RewardFailed) as error:
@@ -79,6 +88,27 @@ def _check_volume(task: Task) -> None:
         f"its `shapes` have {listed:.6g} m³ and the robot's solids {solid:.6g} m³, so every "
         "efficiency would be wrong; leave `shapes` out, and the template's solids count"
     )
+
+
+def _check_episode(task: Task, parameters: tuple[float, ...]) -> None:
+    """Check that an episode of the reference does not end at once, and has a fitness.
+
+    Its motors are given random actions, and in the end the task says what that is worth.
+    """
+    try:
+        try_out(task, parameters)
+    except (InvalidMorphology, UnstableSimulation) as error:
+        raise AssertionError(f"the reference robot: {error}") from None
+    env = MeasuredEnv(task, parameters, 1)
+    random = np.random.default_rng(0)
+    env.reset_one(0, 0)
+    try:
+        for _ in range(task.episode_steps):
+            moved = env.step(random.uniform(-1, 1, (1, env.action_size)))
+            if moved.terminated[0] or moved.truncated[0]:
+                break
+    except FitnessFailed as error:
+        raise AssertionError(str(error)) from None
 
 
 def _check_motion(task: Task, parameters: tuple[float, ...], seed: int) -> None:
