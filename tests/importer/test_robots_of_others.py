@@ -46,7 +46,7 @@ def test_from_a_file_to_a_champion(name: str, tmp_path: Path) -> None:
 
 
 STORY = Path(__file__).parents[2] / "docs" / "own-robot.md"
-KEPT = ("--method", "--objective", "--seed", "--out")
+KEPT = ("--method", "--method-option", "--objective", "--seed", "--out")
 SMALL = {
     "run": "--preset smoke --evaluations 3",
     "evaluate": "--preset smoke",
@@ -66,8 +66,8 @@ def test_every_command_of_the_story_runs(tmp_path: Path, monkeypatch: pytest.Mon
     for words in commands:
         if words[0] in ("run", "evaluate"):
             given = dict(itertools.pairwise(words))
-            kept = [f"{name} {given[name]}" for name in KEPT if name in given]
-            words = shlex.split(f"{words[0]} {words[1]} {' '.join(kept)} {SMALL[words[0]]}")
+            kept = [word for name in KEPT if name in given for word in (name, given[name])]
+            words = [*words[:2], *kept, *shlex.split(SMALL[words[0]])]
         if words[0] == "play":
             words += ["--seconds", "1", "--drawn"]
         assert main(words) == 0, words
