@@ -31,6 +31,9 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         "SHORT": tmp_path / "short.json",
         "LARGE": tmp_path / "large.json",
         "BROKEN": tmp_path / "broken.json",
+        "TWICE": tmp_path / "twice.json",
+        "DEEP": tmp_path / "deep.json",
+        "FENCED": tmp_path / "fenced.py",
         "WORDS": tmp_path / "words.json",
         "BINARY": tmp_path / "binary.json",
         "TYPO": tmp_path / "typo.json",
@@ -43,6 +46,9 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
     made["SHORT"].write_text("[1, 2]")
     made["LARGE"].write_text("[99, 1, 1, 0.1, 0.1, 0.1]")
     made["BROKEN"].write_text("[1, 2")
+    made["TWICE"].write_text('{"front_length": 1, "front_length": 2}')
+    made["DEEP"].write_text(100_000 * "[")
+    made["FENCED"].write_text("```python\ndef _get_rew(self, x_velocity, action): pass\n```\n")
     made["WORDS"].write_text('["a", "b", "c", "d", "e", "f"]')
     made["BINARY"].write_bytes(b"\xff\xfe\x00")
     made["TYPO"].write_text('{"front_lenght": 1}')
@@ -96,6 +102,9 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         ("inspect swimmer --parameters SHORT", "2 parameters given, it takes 6"),
         ("inspect swimmer --parameters LARGE", "front_length = 99 m is outside"),
         ("inspect swimmer --parameters BROKEN", "is not JSON"),
+        ("inspect swimmer --parameters TWICE", "'front_length' stands there more than once"),
+        ("inspect swimmer --parameters DEEP", "is not JSON"),
+        ("evaluate swimmer --reward FENCED", "leave out the lines of ```"),
         ("inspect swimmer --parameters WORDS", '"a" is not a number'),
         ("inspect swimmer --parameters TYPO", "unknown 'front_lenght'"),
         ("inspect swimmer --parameters BINARY", "no text in UTF-8"),

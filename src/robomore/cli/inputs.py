@@ -11,6 +11,7 @@ from typing import Any
 
 from robomore.errors import InputError, InvalidReward
 from robomore.plain_files import cannot_write
+from robomore.rewards.check import why_unparsed
 from robomore.search.named_starts import NAMED_STARTS, named_start
 from robomore.tasks import Task
 from robomore.types import Morphology, Reward, Start
@@ -34,7 +35,7 @@ def read_parameters(task: Task, given: str) -> tuple[float, ...]:
         return task.reference
     text = read_text(Path(given), f"name a JSON file, or `{REFERENCE}` for the official robot")
     try:
-        found = json.loads(text)
+        found = json.loads(text, object_pairs_hook=_each_name_once)
     except (ValueError, RecursionError) as error:
         raise InputError(
             f"{given} is not JSON ({error}); write a list in the task's order or an object by name"
@@ -71,7 +72,8 @@ def read_reward(task: Task, given: str) -> str:
         ast.parse(source)
     except SyntaxError as error:
         raise InvalidReward(
-            f"{given}, line {error.lineno}: does not parse: {error.msg}; correct the file"
+            f"{given}, line {error.lineno}: does not parse: {why_unparsed(source, error)}; correct "
+            "the file"
         ) from None
     except (ValueError, RecursionError, MemoryError) as error:
         raise InvalidReward(f"{given} does not parse: {error}; correct the file") from None
@@ -211,3 +213,10 @@ def new_folder(path: Path) -> None:
             raise InputError(f"{path} is not empty; name a new folder with --out")
     except OSError as error:
         raise cannot_write(path, error, "name another folder with --out") from None
+
+
+def _each_name_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    names = [name for name, _ in pairs]
+    if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
+        raise ValueError(f"{twice[0]!r} stands there more than once")
+    return dict(pairs)

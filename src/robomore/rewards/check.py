@@ -14,7 +14,7 @@ from robomore.rewards.characters import check_characters
 from robomore.rewards.finding import Finding
 from robomore.rewards.rules import RULES, changed_imports, kept_attributes
 
-__all__ = ["LONGEST", "NAME", "Finding", "check_reward"]
+__all__ = ["LONGEST", "NAME", "Finding", "check_reward", "why_unparsed"]
 
 NAME = "_get_rew"
 LONGEST = 50_000
@@ -40,7 +40,8 @@ def check_reward(source: str) -> list[Finding]:
             warnings.simplefilter("ignore")  # of odd escapes, which are no business of the user's
             tree = ast.parse(source)
     except SyntaxError as error:
-        return [Finding(error.lineno or 1, "error", f"does not parse: {error.msg}")]
+        said = f"does not parse: {why_unparsed(source, error)}"
+        return [Finding(error.lineno or 1, "error", said)]
     except (ValueError, RecursionError, MemoryError) as error:
         said = str(error) or "it is nested too deeply"
         return [Finding(1, "error", f"does not parse: {said}")]
@@ -49,6 +50,13 @@ def check_reward(source: str) -> list[Finding]:
         for rule in RULES:
             findings.update(rule(node))
     return sorted(findings, key=lambda finding: (finding.line, finding.severity, finding.message))
+
+
+def why_unparsed(source: str, error: SyntaxError) -> str:
+    """Return in words why a text is no Python."""
+    if source.lstrip().startswith("```"):
+        return "leave out the lines of ``` around the code"
+    return error.msg
 
 
 def _check_function(tree: ast.Module) -> Iterator[Finding]:

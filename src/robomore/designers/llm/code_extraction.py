@@ -20,7 +20,10 @@ _MOST_BLOCKS = 20
 """Blocks of code that are looked at. An answer has a few, hostile text has thousands."""
 
 _OPENING = re.compile(r"(?<![`~])(?P<fence>`{3,}+|~{3,}+)[ \t]*(?P<info>[^`~]*)$")
-_LANGUAGE = re.compile(r"(?:python3?|py|json)\b")
+_LANGUAGE = re.compile(r"\{?\.?(?:python3?|py|json)\b")
+_LEFT_OUT = re.compile(
+    r"#[ \t]*(?:\.{3}|…).{0,60}\b(?:rest|remain\w*|same|before|unchanged|previous|existing)\b", re.I
+)
 _BEGINS_CODE = re.compile(r"(?:def|import|from|class)\s|[@{]")
 _TAG = re.compile(r"</?(?:code|python|reward|function|reward_function|reward_code)>")
 _STRING = re.compile(
@@ -40,8 +43,15 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
     and whether its end was marked.
 
     Raises:
-        NotFound: there is no code, or there are several versions of it.
+        NotFound: there is no code, or a part of it, or there are several versions of it.
     """
+    code, closed = _found(text, wanted)
+    if left_out := _LEFT_OUT.search(code):
+        raise NotFound(f"the answer leaves out code (`{left_out[0]}`); answer with all of it")
+    return code, closed
+
+
+def _found(text: str, wanted: str) -> tuple[str, bool]:
     text = _quoted(cleared(text, wanted), wanted)
     blocks = _blocks(text)
     blocks = [inner for block in blocks for inner in _from_json(block, wanted)]
@@ -66,13 +76,30 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
 
 
 def _defining(blocks: Sequence[Block], wanted: str) -> list[Block]:
-    """Return the different blocks that define `wanted`."""
+    """Return the different blocks that define `wanted`; outlines do not count beside them."""
     definition = re.compile(rf"\bdef\s+{re.escape(wanted)}\b")
     found: dict[str, bool] = {}
     for code, closed in blocks:
         if definition.search(code):
             found.setdefault(code, closed)
-    return list(found.items())
+    written = {code: closed for code, closed in found.items() if not _is_outline(code, wanted)}
+    return list((written or found).items())
+
+
+def _is_outline(code: str, wanted: str) -> bool:
+    """Return whether `wanted` has nothing but words and dots in a block of code."""
+    tree = _tree(code)
+    bodies = [
+        node.body
+        for node in (tree.body if tree else ())
+        if isinstance(node, ast.FunctionDef) and node.name == wanted
+    ]
+    return bool(bodies) and all(
+        isinstance(one, ast.Pass)
+        or (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))
+        for body in bodies
+        for one in body
+    )
 
 
 def _with_needed(code: str, others: Sequence[str]) -> str:
