@@ -86,18 +86,17 @@ def _check_list(path: Path, content: bytes, most_members: int) -> None:
     the larger form would stand before it.
     """
     end, larger = content[-_END.size :], content[-_END.size - 20 : -_END.size]
-    if len(end) < _END.size or larger.startswith(b"PK\x06\x07"):
+    if not end.startswith(b"PK\x05\x06") or len(end) < _END.size:
+        raise UntrustedFileError(f"{path.name} is no file of arrays: no list of them ends it")
+    if larger.startswith(b"PK\x06\x07"):
         raise UntrustedFileError(f"{path.name} is not what NumPy writes")
-    mark, members, list_bytes = _END.unpack(end)
-    if mark != b"PK\x05\x06":
-        raise UntrustedFileError(f"{path.name} is not what NumPy writes")
+    members, list_bytes = _END.unpack(end)
     if members > most_members or list_bytes > _MOST_OF_A_MEMBER * most_members:
         raise UntrustedFileError(f"{path.name} holds too many arrays, or too large ones")
 
 
-_END = struct.Struct("<4s6xHI6x")
-"""The end record of an archive: its mark, how many members there are, and the size of their list
-in bytes."""
+_END = struct.Struct("<10xHI6x")
+"""The end record of an archive: how many members there are, and the size of their list in bytes."""
 _MOST_OF_A_MEMBER = 512
 """Bytes that one member may take in the list."""
 
