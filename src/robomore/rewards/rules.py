@@ -233,23 +233,19 @@ def changed_imports(tree: ast.Module) -> Iterator[Finding]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):
             imported |= {(it.asname or it.name).partition(".")[0] for it in node.names}
-    others: dict[str, list[ast.expr]] = {}
+    named_after: dict[str, set[str]] = {}
     for node in ast.walk(tree):
-        match node:
-            case ast.Assign(targets=[*targets], value=value):
-                for target in targets:
-                    if isinstance(target, ast.Name):
-                        others.setdefault(target.id, []).append(value)
-            case ast.NamedExpr(target=ast.Name(id=name), value=value):
-                others.setdefault(name, []).append(value)
-
-    def shared(value: ast.expr) -> bool:
-        if isinstance(value, ast.Call):
-            return isinstance(value.func, ast.Name) and value.func.id == "type"
-        return (path_of(value) or [""])[0] in imported
-
-    for _ in others:  # a name of a name of a name
-        imported |= {name for name, values in others.items() if any(map(shared, values))}
+        if isinstance(node, ast.Assign | ast.NamedExpr):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            of_type = isinstance(node.value, ast.Call) and path_of(node.value.func) == ["type"]
+            root = "type" if of_type else (path_of(node.value) or [""])[0]
+            names = {target.id for target in targets if isinstance(target, ast.Name)}
+            named_after.setdefault(root, set()).update(names)
+    waiting = [*imported, "type"]
+    while waiting:  # a name of a name of a name
+        new = named_after.pop(waiting.pop(), set()) - imported
+        imported |= new
+        waiting += new
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load):
             path = path_of(node)
