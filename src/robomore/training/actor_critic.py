@@ -42,12 +42,12 @@ class Alpha(NamedTuple):
 
 
 def network_sizes(
-    settings: OffPolicySettings, observation_size: int, action_size: int
+    settings: OffPolicySettings, observation_size: int, action_size: int, outputs: int = 1
 ) -> NetworkSizes:
-    """Return the sizes of the networks for a robot."""
+    """Return the sizes of the networks for a robot, whose critics have so many `outputs`."""
     return NetworkSizes(
         actor=(observation_size, *settings.net_arch, 2 * action_size),
-        critic=(observation_size + action_size, *settings.net_arch, 1),
+        critic=(observation_size + action_size, *settings.net_arch, outputs),
     )
 
 

@@ -37,6 +37,7 @@ from robomore.training.loop import Layers, OffPolicyTrainer
 from robomore.training.networks import Folded, Layer, Moments, Sizes
 from robomore.training.optimiser import Adam, adam_step, initial_adam
 from robomore.training.settings import CrossQSettings
+from robomore.training.value_bins import cross_entropy, expected_value
 
 
 class Actor(NamedTuple):
@@ -73,7 +74,7 @@ class CrossQ(OffPolicyTrainer):
     ) -> tuple[TrainState, Layers]:
         """Return the state before any learning, and its policy; see `OffPolicyTrainer`."""
         settings = self.settings
-        sizes = network_sizes(settings, observation_size, action_size)
+        sizes = _sizes(settings, observation_size, action_size)
         # NumPy's arrays become JAX's in the first round.
         actor: Any = networks.initial_parameters(random, sizes.actor)
         critics: Any = np.stack(
@@ -118,7 +119,7 @@ def _round(
 ) -> tuple[TrainState, Folded, dict[str, jax.Array]]:
     """Return the state after a round, its folded policy, and losses averaged over its steps."""
     action_size = noise.shape[-1]
-    sizes = network_sizes(settings, observation_size(rows, action_size), action_size)
+    sizes = _sizes(settings, observation_size(rows, action_size), action_size)
     step = partial(_gradient_step, settings, sizes, renormalise)
     state, losses = jax.lax.scan(step, state, (rows, noise, numbers))
     return state, _fold_actor(state.actor, sizes), jax.tree.map(jnp.mean, losses)
@@ -171,10 +172,13 @@ def _update_critics(
     in_training = jax.vmap(partial(networks.apply_in_training, renormalise=renormalise))
 
     def loss(layers: list[Layer]) -> tuple[jax.Array, list[Moments]]:
-        values, seen = in_training(layers, running, inputs)
-        value, next_value = jnp.split(values[..., 0], 2, axis=1)
-        target = soft_target(batch, aggregate_q(settings, next_value), bonus)
-        return critic_loss(value, jax.lax.stop_gradient(target)), seen
+        outputs, seen = in_training(layers, running, inputs)
+        here, there = jnp.split(outputs, 2, axis=1)
+        next_value = aggregate_q(settings, _values(settings, there))
+        target = jax.lax.stop_gradient(soft_target(batch, next_value, bonus))
+        if settings.num_bins:
+            return cross_entropy(here, target), seen
+        return critic_loss(here[..., 0], target), seen
 
     layers = _layers_of_each(critics.parameters, sizes.critic)
     (value, seen), gradients = jax.value_and_grad(loss, has_aux=True)(layers)
@@ -210,10 +214,10 @@ def _update_actor(
         heads, seen = networks.apply_in_training(layers, running, observation, renormalise)
         action, log_prob = sample(heads, noise)
         inputs = jnp.concatenate([observation, action], axis=1)
-        values = jax.vmap(networks.apply)(
+        outputs = jax.vmap(networks.apply)(
             folded_critics, for_each_critic(settings.n_critics, inputs)
-        )[..., 0]
-        value = aggregate_q(settings, values)
+        )
+        value = aggregate_q(settings, _values(settings, outputs))
         return actor_loss(alpha, log_prob, value), (-log_prob.mean(), seen)
 
     layers = networks.layers(actor.parameters, sizes.actor)
@@ -225,6 +229,15 @@ def _update_actor(
     size = noise.shape[-1]
     updated = update_alpha(settings, actor.alpha, entropy, size, settings.alpha_lr, decay)
     return Actor(parameters, moments, adam, updated), value
+
+
+def _sizes(settings: CrossQSettings, observation_size: int, action_size: int) -> NetworkSizes:
+    return network_sizes(settings, observation_size, action_size, outputs=settings.num_bins or 1)
+
+
+def _values(settings: CrossQSettings, outputs: jax.Array) -> jax.Array:
+    """Return the values (…,) that the critics' `outputs` (…, num_bins or 1) stand for."""
+    return expected_value(outputs) if settings.num_bins else outputs[..., 0]
 
 
 def aggregate_q(settings: CrossQSettings, values: jax.Array) -> jax.Array:

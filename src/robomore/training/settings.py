@@ -20,6 +20,7 @@ from robomore.training.trainer import Trainer
 from robomore.types import TrainerSettings
 
 Count = Annotated[int, msgspec.Meta(ge=1)]
+NotNegative = Annotated[int, msgspec.Meta(ge=0)]
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Fraction = Annotated[float, msgspec.Meta(ge=0, lt=1)]
 PositiveFraction = Annotated[float, msgspec.Meta(gt=0, le=1)]
@@ -95,6 +96,9 @@ class CrossQSettings(LoopSettings):
     num_eval_checkpoints: Count = 4
     min_q_weight: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0
     """Weight of the critics' smallest value against their mean: 1 is the usual minimum."""
+    num_bins: NotNegative = 101
+    """Ranges of values that a critic tells apart and learns by cross-entropy, which needs
+    `normalize_rewards`; 0 for one value and squared errors (`robomore.training.value_bins`)."""
     actor_lr: Positive = 1e-3
     """Adam's learning rate for the actor."""
     critic_lr: Positive = 1e-3
@@ -111,6 +115,13 @@ class CrossQSettings(LoopSettings):
     """Decay of the running mean and variance that replace a batch's own when the policy acts."""
     renorm_warmup_steps: int = 100_000
     """Gradient steps with plain batch normalisation, before batch renormalisation corrects it."""
+
+    def __post_init__(self) -> None:
+        if self.num_bins == 1 or (self.num_bins and not self.normalize_rewards):
+            raise InputError(
+                f"num_bins = {self.num_bins}: critics tell at least 2 ranges of values apart, of "
+                "rewards that are normalised; give normalize_rewards=true too, or num_bins=0"
+            )
 
 
 @dataclass(frozen=True, slots=True)
