@@ -19,8 +19,8 @@ _TRIES = 2
 """Attempts: a process that was killed from outside says nothing about the layers."""
 
 _all_hold: list[Layer] = []
-"""The layers, once all were found to hold. To try takes a third of a second, a study has hundreds of
-runs in one process, and what a machine offers to a process does not cease while that one runs."""
+"""The layers, once all were found to hold. To try takes a third of a second, a study has hundreds
+of runs in one process, and what a machine offers to a process does not cease while that runs."""
 
 
 def layers() -> list[Layer]:
