@@ -108,8 +108,8 @@ class Work:
         """Return how fast one worker is; `None` before that is measured."""
         if not self.timed:
             return None
-        under_way = [timed for one in running if (timed := one.so_far()) is not None]
-        timed = [*self.timed, *under_way]
+        under_way = (one.so_far() for one in running)
+        timed = [*self.timed, *(one for one in under_way if one is not None)]
         around = [one.around for one in self.timed if one.around is not None]
         steps = sum(one.steps for one in timed)
         return Speed(sum(one.seconds for one in timed) / steps, fmean(around) if around else 0.0)
