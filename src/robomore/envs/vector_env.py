@@ -236,6 +236,11 @@ class VectorEnv:
             self._end(np.flatnonzero(ended), final)
         return Transition(self.observation, reward, terminated, truncated, final)
 
+    @property
+    def reward_runner(self) -> RewardRunner | None:
+        """What calls the reward; `None` without one."""
+        return self._runner
+
     def reward_statistics(self) -> dict[str, TermStatistics]:
         """Return mean, low and high of each reward term over all steps so far."""
         return {} if self._runner is None else self._runner.statistics()

@@ -20,7 +20,7 @@ from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.store.rundir import TASK_CONTENT
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
-from robomore.tasks.portable import task_from_content
+from robomore.tasks.portable import MOST_CONTENT, task_from_content
 from robomore.tasks.registry import remember
 
 ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
@@ -91,7 +91,8 @@ def stored_task(files: PlainFolder, id: str) -> Task:
         InputError: there is none, or its content is damaged.
     """
     if files.is_file(TASK_CONTENT):
-        return remember(task_from_content(files.read(TASK_CONTENT), trusted=False))
+        content = files.read(TASK_CONTENT, MOST_CONTENT)
+        return remember(task_from_content(content, trusted=False))
     return get_task(id)
 
 

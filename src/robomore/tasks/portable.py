@@ -18,6 +18,7 @@ import msgspec
 
 from robomore.errors import InputError
 from robomore.tasks.fitness import Fitness, Term
+from robomore.tasks.sizes import check_sizes
 from robomore.tasks.task import Parameter, Task, Values
 from robomore.tasks.trajectory import Trajectory
 
@@ -26,6 +27,12 @@ ENVIRONMENT = "robomore.envs.robots.own_robot:OwnRobotEnvironment"
 
 _MOST_ASSETS = 64 * 2**20
 """Bytes of meshes that a task may carry."""
+
+_MOST_DATA = 4 * 2**20
+"""Bytes of everything else in a task."""
+
+MOST_CONTENT = _MOST_ASSETS * 4 // 3 + 2 * _MOST_DATA
+"""Bytes of a whole task, in which meshes are written as text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +67,12 @@ class FitnessTerm:
     unit: str = ""
     meaning: str = ""
     foreign: bool = False
+
+
+class _Outline(msgspec.Struct):
+    """The field of a content that may be long, not read yet."""
+
+    assets: msgspec.Raw = msgspec.Raw()
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +116,13 @@ def task_from_content(content: bytes, trusted: bool = True) -> Task:
         InputError: it is not such a content, or it asks for files that are not in it.
     """
     try:
+        # Before anything is made of it: a number takes two bytes here and 32 in memory.
+        meshes = len(bytes(msgspec.json.decode(content, type=_Outline).assets))
+        if len(content) > MOST_CONTENT or len(content) - meshes > _MOST_DATA:
+            raise InputError(
+                f"the content of a task has {len(content):,} bytes, {meshes:,} of them meshes; at "
+                f"most {_MOST_DATA:,} besides meshes are read"
+            )
         read = msgspec.json.decode(content, type=_Content)
     except (msgspec.DecodeError, RecursionError) as error:
         raise InputError(f"the content of a task is damaged: {error}") from None
@@ -189,6 +209,7 @@ def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:
         root = ET.fromstring(template)
     except ET.ParseError as error:
         raise InputError(f"{id}: its template is no XML ({error})") from None
+    check_sizes(id, root)
     for part in root.iter():
         if part.tag in ("include", "extension", "plugin", "model"):
             raise InputError(f"{id}: its template holds <{part.tag}>, which reads other files")
