@@ -504,7 +504,6 @@ LATE_REFUSED = {
         "numpy.mean.n": ("bump(np.mean)", "getattr(np.mean, 'n', 0)"),
         "numpy.poly1d.n": ("bump(np.poly1d)", "getattr(np.poly1d, 'n', 0)"),
         "numpy.n": ("bump(np)", "getattr(np, 'n', 0)"),
-        "numpy.typecodes": ("np.typecodes['n'] = v", "np.typecodes.get('n', 0)"),
         "collections.Counter.n": ("bump(Counter)", "getattr(Counter, 'n', 0)"),
         "T.n": ("bump(T)", "getattr(T, 'n', 0)"),
         "`f`": ("bump(f)", "getattr(f, 'n', 0)"),

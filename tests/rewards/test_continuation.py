@@ -136,7 +136,6 @@ def test_what_is_kept_late_survives(place: str) -> None:
 def untouched() -> Iterator[None]:
     """Take away what rewards have put on objects that everybody shares."""
     yield
-    np.typecodes.pop("n", None)
     for shared in (np, np.mean, np.poly1d, Counter, RobotEnvironment):
         if "n" in vars(shared):
             del shared.n

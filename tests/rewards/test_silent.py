@@ -87,6 +87,13 @@ def test_what_is_meant_is_not_told(found: list[Finding]) -> None:
     assert not any(it.line == 9 for it in found)
 
 
+def test_a_guarded_division_is_only_noted() -> None:
+    hidden = Observed(10, 0.0, 1.0, 1e-5, hidden={"2 divide by zero": 3})
+    (found,) = silent_findings(hidden, "x = 1\ny = np.where(x > 0, 1 / x, 0)\n")
+    assert (found.line, found.severity) == (2, "note")
+    assert "divide by zero in 3 of 10 calls" in found.message
+
+
 def test_the_largest_numbers_have_a_median() -> None:
     source = (
         "def _get_rew(self, x_velocity, action):\n"

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import json
 import tracemalloc
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from dog import write_dog
 from robomore.errors import InputError, InvalidMorphology
-from robomore.tasks.portable import refuse_files, task_from_content
+from robomore.importer.proposal import write_proposal
+from robomore.importer.reading import read_robot
+from robomore.importer.task_file import read_task
+from robomore.plain_files import PlainFolder
+from robomore.runs.loading import stored_task
+from robomore.tasks import get_task
+from robomore.tasks.portable import refuse_files, task_content, task_from_content
 from robomore.tasks.repeats import expanded
 
 
@@ -70,3 +79,62 @@ def test_a_long_content_is_refused_before_it_is_read(content: str) -> None:
         assert tracemalloc.get_traced_memory()[1] < 40 * 2**20
     finally:
         tracemalloc.stop()
+
+
+@pytest.mark.parametrize(("steps", "skip"), [(10**12, 1), (1000, 10**9), (-1, 1), (1000, 0)])
+def test_an_episode_without_an_end_is_refused(steps: int, skip: object, tmp_path: Path) -> None:
+    source = write_dog(tmp_path)
+    task = read_task(write_proposal(read_robot(source), source, tmp_path / "dog"))
+    content = json.loads(task_content(task))
+    assert task_from_content(json.dumps(content).encode(), trusted=False).id == task.id
+    content["episode_steps"], content["options"]["frame_skip"] = steps, skip
+    with pytest.raises(InputError, match="steps of MuJoCo"):
+        task_from_content(json.dumps(content).encode(), trusted=False)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"frame_skip": 2.5},
+        {"frame_skip": True},
+        {"home": [1]},
+        {"home": {"FL_hip": 1e308}},
+        {"upright": [1]},
+        {"upright": ["a"] * 4},
+        {"healthy_tilt": "x"},
+        {"healthy_height": [1]},
+        {"reset_noise": 1e308},
+        {"reset_noise": -1},
+        {"reach": 1e308},
+        {"sensors": [5]},
+        {"nonsense": 1},
+        {"render_mode": "human"},
+    ],
+)
+def test_options_that_no_robot_has_are_refused(options: dict, tmp_path: Path) -> None:
+    source = write_dog(tmp_path)
+    task = read_task(write_proposal(read_robot(source), source, tmp_path / "dog"))
+    content = json.loads(task_content(task))
+    content["options"] |= options
+    with pytest.raises(InputError, match="its options are none of a robot"):
+        task_from_content(json.dumps(content).encode(), trusted=False)
+
+
+def test_an_id_in_a_folder_is_no_path(tmp_path: Path) -> None:
+    """Else somebody else's folder could name a task file that is read, and whose code runs."""
+    source = write_dog(tmp_path)
+    file = write_proposal(read_robot(source), source, tmp_path / "dog")
+    with pytest.raises(InputError, match="no task is called"):
+        stored_task(PlainFolder(tmp_path), str(file))
+
+
+@pytest.mark.parametrize(
+    "expression",
+    ["1/0", "9**9**9**9", "sqrt(0-1)", "(0-1)**0.5", "nobody", "(" * 500 + "1" + ")" * 500],
+)
+def test_arithmetic_without_a_value_is_the_morphologys_fault(expression: str) -> None:
+    ant = get_task("ant")
+    task = replace(ant, template=ant.template.replace("<option", f'<option x="{{{expression}}}"'))
+    with pytest.raises(InvalidMorphology, match="no value for these parameters") as refused:
+        task.mjcf(task.reference)
+    assert len(str(refused.value)) < 400

@@ -26,6 +26,8 @@ _HEAP_TYPE = 1 << 9
 _LAZY = frozenset({"__annotations__", "__dict__", "__weakref__", "__abstractmethods__"})
 """Attributes of classes that Python makes when somebody asks for them."""
 
+_CONTAINERS = (dict, list, tuple, set, frozenset)
+
 Parts = dict[Any, Any]
 
 
@@ -54,10 +56,12 @@ class Outside:
             for one in vars(np).values()
             if isinstance(one, types.ModuleType) and one.__name__.startswith("numpy.")
         ]
-        roots += [(kind.__name__, kind) for kind in (*robot.__mro__, ReadOnly, Bounds)]
-        roots += [("self", one) for one in attributes if not isinstance(one, ReadOnly)]
+        robots = [(kind.__name__, kind) for kind in (*robot.__mro__, ReadOnly, Bounds)]
+        robots += [("self", one) for one in attributes if not isinstance(one, ReadOnly)]
         packages = {name.partition(".")[0] for name in (*modules, "gymnasium", "robomore")}
-        self._seen = list(_walk(roots, packages))
+        # Libraries enter their types into tables of NumPy when a trainer first loads them.
+        shared = (it for it in _walk(roots, packages) if not isinstance(it[1], _CONTAINERS))
+        self._seen = [*_walk(robots, packages), *shared]
         self._own = [
             (value, _own_parts(value))
             for one in fixed

@@ -36,25 +36,23 @@ def silent_findings(observed: Observed, source: str) -> list[Finding]:
         tree = ast.parse(source.removeprefix("\ufeff"))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return []
-    lines = source.split("\n")
     return [
-        *_hidden(observed, lines),
+        *_hidden(observed, "nan_to_num" in source),
         *_missing(observed, tree),
         *_growth(observed, tree),
     ]
 
 
-def _hidden(observed: Observed, lines: list[str]) -> Iterator[Finding]:
+def _hidden(observed: Observed, replaced: bool) -> Iterator[Finding]:
+    gets = "it was finite all the same, so something hides it"
+    if replaced:
+        gets = "`np.nan_to_num` gives 0 for NaN and 1.8e+308 for infinity in its place"
     for fault, calls in observed.hidden.items():
         number, _, kind = fault.partition(" ")
         line = int(number) if number.isdecimal() and len(number) < 9 else 0
-        text = lines[line - 1] if 0 < line <= len(lines) else ""
-        gets = "what hides it gives another value in its place"
-        if "nan_to_num" in text:
-            gets = "`np.nan_to_num` gives 0 for NaN and 1.8e+308 for infinity in its place"
         yield Finding(
             max(line, 1),
-            "warning",
+            "warning" if replaced else "note",
             f"{one_line(kind)[:_LONGEST]} in {calls} of {observed.calls} calls; {gets}: compute it "
             "only where it is defined",
         )

@@ -12,7 +12,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 
@@ -30,6 +30,9 @@ _MOST_ASSETS = 64 * 2**20
 
 _MOST_DATA = 4 * 2**20
 """Bytes of everything else in a task."""
+
+_MOST_STEPS = 1_000_000
+"""Steps of MuJoCo in an episode: more than half an hour at a time step of 2 ms."""
 
 MOST_CONTENT = _MOST_ASSETS * 4 // 3 + 2 * _MOST_DATA
 """Bytes of a whole task, in which meshes are written as text."""
@@ -73,6 +76,24 @@ class _Outline(msgspec.Struct):
     """The field of a content that may be long, not read yet."""
 
     assets: msgspec.Raw = msgspec.Raw()
+
+
+_Number = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+_Share = Annotated[float, msgspec.Meta(ge=0, le=100)]
+
+
+class _Options(msgspec.Struct, forbid_unknown_fields=True):
+    """The options of a robot's environment, each of which may be missing."""
+
+    frame_skip: int = 1
+    home: dict[str, _Number] = {}
+    upright: tuple[_Number, _Number, _Number, _Number] = (1.0, 0.0, 0.0, 0.0)
+    healthy_tilt: _Share | None = None
+    healthy_height: tuple[_Number, _Number] = (0.0, 1.0)
+    reset_noise: _Share = 0.0
+    reach: _Share = 1.0
+    sensors: tuple[str, ...] = ()
+    tip: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,11 +147,26 @@ def task_from_content(content: bytes, trusted: bool = True) -> Task:
         read = msgspec.json.decode(content, type=_Content)
     except (msgspec.DecodeError, RecursionError) as error:
         raise InputError(f"the content of a task is damaged: {error}") from None
+    _check_options(read)
     values = {one.name: getattr(read, one.name) for one in fields(_Content) if one.name != "unit"}
     values["options"] = FixedOptions(read.options)
     values["fitness"] = make_fitness(read.fitness, read.unit, trusted)
     refuse_files(read.id, read.template, read.assets)
     return Task(**values, environment=ENVIRONMENT)
+
+
+def _check_options(read: _Content) -> None:
+    """Refuse options that the environment does not have, or that nobody can wait for."""
+    try:
+        options = msgspec.convert(read.options, _Options)
+    except msgspec.ValidationError as error:
+        raise InputError(f"{read.id[:80]!r}: its options are none of a robot: {error}") from None
+    skipped, steps = options.frame_skip, read.episode_steps
+    if min(skipped, steps) < 1 or skipped * steps > _MOST_STEPS:
+        raise InputError(
+            f"{read.id[:80]!r}: an episode of {steps} control steps of {skipped} steps of MuJoCo "
+            f"each; at least 1 and at most {_MOST_STEPS:,} in all are simulated"
+        )
 
 
 def make_fitness(

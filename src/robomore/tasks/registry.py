@@ -46,13 +46,22 @@ def get_task(id: str) -> Task:
     Raises:
         InputError: there is no such task, or its file or the package that adds it is faulty.
     """
-    if id in _FROM_FILES:
-        return _FROM_FILES[id]
-    if not id.endswith(SUFFIX):
-        return VARIANTS.get(id) or TASKS.get(id)
+    if id in _FROM_FILES or not id.endswith(SUFFIX):
+        return known_task(id)
     from robomore.importer.task_file import read_task
 
     return remember(read_task(Path(id)))
+
+
+def known_task(id: str) -> Task:
+    """Return a task that is installed, or was read in this process: no id is taken for a path.
+
+    An id that stands in somebody else's folder must not name a file to be read and executed.
+
+    Raises:
+        InputError: there is no such task, or the package that adds it is faulty.
+    """
+    return _FROM_FILES.get(id) or VARIANTS.get(id) or TASKS.get(id)
 
 
 def carried_task(id: str, content: bytes) -> Task:
