@@ -22,7 +22,7 @@ NAMES = SWIMMER.names
         ("[" * 200_000, "names no task"),
         ('{"task": "swimmer", "parameters":' + '{"a":' * 100_000, "names no task"),
         ("", "names no task"),
-        ('{"task": 5}', "damaged"),
+        ('{"task": 5}', "no task is called"),
         (json.dumps({"task": "swimmer", "parameters": dict.fromkeys(NAMES, 10**400)}), "too large"),
         ('{"task": "swimmer", "x": ' + "1" * 5000 + "}", "names no task"),
         ('{"task": "swimmer", "parameters": {"a": NaN}}', "unknown 'a'"),

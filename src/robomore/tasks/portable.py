@@ -28,6 +28,9 @@ ENVIRONMENT = "robomore.envs.robots.own_robot:OwnRobotEnvironment"
 _MOST_ASSETS = 64 * 2**20
 """Bytes of meshes that a task may carry."""
 
+_MOST_OF_A_MESH = 16 * 2**20
+"""Bytes of one mesh. MuJoCo computes the convex hull of its points, which takes time."""
+
 _MOST_DATA = 4 * 2**20
 """Bytes of everything else in a task."""
 
@@ -147,6 +150,8 @@ def task_from_content(content: bytes, trusted: bool = True) -> Task:
         read = msgspec.json.decode(content, type=_Content)
     except (msgspec.DecodeError, RecursionError) as error:
         raise InputError(f"the content of a task is damaged: {error}") from None
+    if not re.fullmatch(r"[\w-][\w. -]{0,98}", read.id) or read.id.endswith(".toml"):
+        raise InputError(f"a task in a folder has the id {read.id[:80]!r}; it is no plain name")
     _check_options(read)
     values = {one.name: getattr(read, one.name) for one in fields(_Content) if one.name != "unit"}
     values["options"] = FixedOptions(read.options)
@@ -235,6 +240,10 @@ def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:
     Raises:
         InputError: naming the file.
     """
+    for name, data in assets.items():
+        if len(data) > _MOST_OF_A_MESH:
+            most = _MOST_OF_A_MESH // 2**20
+            raise InputError(f"{id}: the mesh {name!r} has more than {most} MiB; use a simpler one")
     if sum(map(len, assets.values())) > _MOST_ASSETS:
         raise InputError(
             f"{id}: its meshes have more than {_MOST_ASSETS // 2**20} MiB; use simpler"
