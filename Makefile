@@ -12,7 +12,9 @@ COMPILE := uv pip compile pyproject.toml --quiet --universal --python-version 3.
 
 # Many containers have Python keep no compiled modules, and then each of the many processes that the
 # tests start compiles RoboMoRe anew.
-PYTEST := env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
+# One process more than there are cores: some tests wait for a server or a clock.
+PROCESSES = $$($(PYTHON) -c 'import os; print(1 + len(getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count()))(0)))')
+PYTEST = env -u PYTHONDONTWRITEBYTECODE OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(PROCESSES)
 # What a file's tests share (runs, compiled trainers, a browser) is made once then, and not once on
 # each core. In the order of the files: those with the fewest tests, which would come last, take the
 # longest. Not with all examples, of which single files have hundreds of slow ones.

@@ -511,6 +511,7 @@ def test_no_key_reaches_a_worker_or_a_rewards_process(
     assert "'PATH'" in found.message and "KEY" not in found.message
 
 
+@pytest.mark.exhaustive  # Designs are trained alike, whoever proposed them.
 def test_designs_of_a_model_are_trained_and_one_is_the_champion(tmp_path: Path) -> None:
     """In earnest, but for the model (`test_quick_llm.py` has a real server)."""
     small = with_method(TINY, options={"morphologies": 1})

@@ -73,6 +73,7 @@ class Workers:
         draw: makes up speeds, scores and failures.
         failing: fraction of the evaluations that fail at once.
         compiling: seconds that each worker's first training takes longer.
+        around: seconds of loading before a training, and again of measuring after it.
         slower: factor by which the machine is slower from `slower_from` s on.
         now: seconds.
     """
@@ -83,6 +84,7 @@ class Workers:
     draw: random.Random
     failing: float = 0.0
     compiling: float = 0.0
+    around: float = 2.0
     slower: float = 1.0
     slower_from: float = 0.0
     now: float = 0.0
@@ -128,8 +130,7 @@ class Workers:
         if evaluation.ok:
             self.trained[identity] = steps
             rate = STEPS_PER_SECOND * self.draw.lognormvariate(0.0, 0.2)
-            # Compiling before, measuring after.
-            at += 2.0 + (self.compiling if self.begun < self.count else 0.0)
+            at += self.around + (self.compiling if self.begun < self.count else 0.0)
             self.begun += 1
             if at > self.slower_from:
                 rate /= self.slower
@@ -137,7 +138,7 @@ class Workers:
                 done = (steps - before) * part // 3
                 told.append((at + done / rate, Progressed(key, before + done)))
             at += (steps - before) / rate
-        told.append((at + 2.0, Finished(evaluation, trial.place, known=False)))
+        told.append((at + self.around, Finished(evaluation, trial.place, known=False)))
         return told
 
     def _evaluation(self, key: str, trial: Trial, steps: int) -> Evaluation:

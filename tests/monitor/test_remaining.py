@@ -7,7 +7,7 @@ import statistics
 import pytest
 
 from monitor.simulation import simulate
-from robomore.monitor.remaining import makespan
+from robomore.monitor.remaining import CLOSING, makespan
 from robomore.settings import preset, with_method
 
 CASES = {
@@ -52,6 +52,17 @@ def test_screening_is_estimated_right_at_every_quarter_of_its_stage(workers: int
 
 
 @pytest.mark.parametrize("workers", [2, 8])
+def test_what_is_around_a_training_is_no_part_of_its_steps(workers: int) -> None:
+    """The first rung's trainings are short, and here they are loaded longer than they train."""
+    settings = with_method(preset("standard"), None, {"max_cycles": 0})
+    total, told = simulate(settings, workers, seed=3, around=40.0)
+    for share in (0.1, 0.2, 0.3, 0.4, 0.6, 0.8):
+        left = estimated(told, share * total)
+        assert left is not None
+        assert 1 / 1.3 < left / ((1 - share) * total) < 1.3
+
+
+@pytest.mark.parametrize("workers", [2, 8])
 def test_what_only_the_first_trainings_take_is_not_expected_of_all(workers: int) -> None:
     """Compiling takes as long as a short training does."""
     settings = with_method(preset("quick"), "random")
@@ -86,7 +97,7 @@ def test_a_budget_caps_the_search_and_not_the_final() -> None:
 def test_a_time_limit_caps_everything() -> None:
     total, told = simulate(preset("quick"), 2, seed=1, time_limit=300.0)
     assert total > 300.0, "what is made up knows of no limit"
-    assert all(left <= max(300.0 - time, 90.0) for time, left in told if left is not None)
+    assert all(left <= max(300.0 - time, 90.0) + CLOSING for time, left in told if left is not None)
     assert max(left for time, left in told if left is not None) > 150.0
 
 
@@ -94,7 +105,7 @@ def test_nothing_is_said_before_something_is_measured() -> None:
     _, told = simulate(preset("quick"), 8, seed=0)
     assert [left for _, left in told[:3]] == [None] * 3
     assert sum(left is None for _, left in told) < len(told) / 4
-    assert told[-1][1] == 0.0
+    assert told[-1][1] == CLOSING, "only the page is left"
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from monitor.told import (
 )
 from robomore.events import BatchBegan, Finished, Progressed, Started
 from robomore.monitor import RunState
+from robomore.monitor.remaining import CLOSING
 from robomore.plan import Plan, Stage
 from robomore.types import Place
 
@@ -65,7 +66,7 @@ def test_the_time_left_counts_this_batch_the_later_stages_and_the_final(state: R
     # training are left, side by side. Then two batches of one training, and the final: four
     # trainings of 2,000 steps for two workers, at whose end one waits, half a training on average.
     left = state.time_left()
-    assert left == pytest.approx((1_000 + 2 * 1_000 + 2 * 2_000 + 500) / 100)
+    assert left == pytest.approx((1_000 + 2 * 1_000 + 2 * 2_000 + 500) / 100 + CLOSING)
 
 
 def test_a_training_that_goes_on_counts_for_what_is_left_of_it(clock: Clock) -> None:
@@ -83,7 +84,7 @@ def test_a_training_that_goes_on_counts_for_what_is_left_of_it(clock: Clock) -> 
     clock.now += 100
     state(BatchBegan(LAST, known=0))
     # 600 steps took 6 s; the final asks for two trainings of two workers.
-    assert state.time_left() == pytest.approx(1_000 / 100)
+    assert state.time_left() == pytest.approx(1_000 / 100 + CLOSING)
 
 
 def test_what_was_known_before_says_nothing_of_speed(clock: Clock) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import threading
 import time
@@ -207,9 +208,19 @@ def test_the_live_page_follows_a_run(browser: Any, tmp_path: Path, said: list[st
     while not server.started:
         time.sleep(0.01)
     (socket,) = server.servers[0].sockets
-    page = opened(browser, f"http://127.0.0.1:{socket.getsockname()[1]}/run?name=first", said)
-    until(page, "document.querySelector('[data-connection]').textContent === 'live'")
+    address = f"http://127.0.0.1:{socket.getsockname()[1]}/"
+    runs = opened(browser, address, said)
+    live = "document.querySelector('[data-connection]').textContent === 'live'"
+    page = opened(browser, f"{address}run?name=first", said)
+    for one in (runs, page):
+        until(one, live)
+    runs.click("text=time left")
+    runs.click("text=time left")
+    before = runs.inner_text("tbody")
     best = run.fine()
+    until(runs, f"document.querySelector('tbody').innerText !== {json.dumps(before)}")
+    assert runs.get_attribute("th:last-child", "aria-sort") == "ascending"
+    runs.close()
     page.wait_for_selector(f"[data-key={best.key}]", state="attached", timeout=20_000)
     assert faults(page) == []
     mark = page.locator(f"[data-key={best.key}]").first

@@ -20,6 +20,7 @@ def new(
     /,
     *,
     free: Annotated[list[str] | None, Parameter(negative="")] = None,
+    goal: Literal["distance", "economy"] | None = None,
     base: Literal["free", "fixed"] | None = None,
     out: Path | None = None,
 ) -> None:
@@ -32,6 +33,9 @@ def new(
     free
         What is to be free, as a name or a pattern (`thigh`, `*_length`, `calf_strength`); may be
         given several times. By default the length and thickness of the longest links.
+    goal
+        To get far (`distance`, the default), or with little energy (`economy`: 1 / cost of
+        transport). For a robot that moves freely; a fixed one reaches for a target.
     base
         Whether the robot moves freely or is fixed to the world. By default as an MJCF file says; a
         URDF file does not say it, and its robot moves freely.
@@ -45,7 +49,7 @@ def new(
     read = read_robot(robot, base)
     folder = out or Path(robot.stem)
     new_folder(folder)
-    file = write_proposal(read, robot, folder, free or ())
+    file = write_proposal(read, robot, folder, free or (), goal)
     _tell(read_task_file(file))
     write(
         f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n"

@@ -1,7 +1,7 @@
 """How long a run still takes: what its plan still asks for, at the speed measured so far.
 
-Everything is counted in control steps of training and turned into seconds at the end. It is an
-estimate: a stage may end early, and no training is as fast as the next one.
+A training takes so long a control step, and so long besides: it is loaded before and measured
+after. It is an estimate: a stage may end early, and no training is as fast as the next one.
 """
 
 from __future__ import annotations
@@ -18,17 +18,51 @@ from robomore.plan import Plan, Stage
 from robomore.tasks import get_task
 from robomore.types import Design, Evaluation, Place
 
+CLOSING = 5.0
+"""Seconds that the page and the champion's files take at the end, about."""
+
 _LATEST = 12
 """Trainings by which the speed is judged: other programs come and go on a machine."""
 
 
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """How long a training took one worker.
+
+    Attributes:
+        steps: control steps between the first and the last time that it told of progress.
+        seconds: that these took.
+        around: seconds that it took besides: loading before its steps, and measuring after them;
+            `None` where these cannot be told apart. The first one of a worker compiles while it
+            loads, which says nothing of the others: of that one only the measuring counts.
+    """
+
+    steps: int
+    seconds: float
+    around: float | None
+
+
 class Training(Protocol):
-    """An evaluation under way: its steps in all and by now, and from where it is timed."""
+    """An evaluation under way: its steps in all and by now, and how long some of them took."""
 
     total: int
     steps: int
-    timed_steps: int
-    timed_from: float | None
+
+    def so_far(self) -> Timed | None:
+        """Return what is known of its speed; `None` before it has told of progress."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Speed:
+    """Seconds that one worker takes for a control step, and for what is around a training."""
+
+    step: float
+    around: float
+
+    def seconds(self, steps: float, trainings: float = 1.0) -> float:
+        """Return how long so many trainings take that have so many control steps together."""
+        return self.step * steps + self.around * trainings
 
 
 @dataclass(slots=True)
@@ -41,7 +75,7 @@ class Work:
         batches: batches begun, by stage.
         used: control steps of training that are over, by stage.
         trained: control steps after which the training in a place rests; it may go on from there.
-        timed: the latest trainings, as (control steps, seconds that these took one worker).
+        timed: the latest trainings.
     """
 
     stage: str = ""
@@ -49,7 +83,7 @@ class Work:
     batches: Counter[str] = field(default_factory=Counter)
     used: Counter[str] = field(default_factory=Counter)
     trained: dict[Place, int] = field(default_factory=dict)
-    timed: deque[tuple[int, float]] = field(default_factory=lambda: deque(maxlen=_LATEST))
+    timed: deque[Timed] = field(default_factory=lambda: deque(maxlen=_LATEST))
 
     def begin(self, plan: Plan, stage: Stage) -> None:
         """Begin a batch. What only screens counts for the stage that it thins out."""
@@ -61,7 +95,7 @@ class Work:
         self.target = 0
         self.batches[self.stage] += 1
 
-    def finish(self, place: Place, steps: int, timed: tuple[int, float] | None) -> None:
+    def finish(self, place: Place, steps: int, timed: Timed | None) -> None:
         """Note an evaluation; `timed` is `None` where its time says nothing of speed."""
         asked = max(0, steps - self.trained.get(place, 0))
         self.target = steps
@@ -70,17 +104,15 @@ class Work:
         if timed is not None:
             self.timed.append(timed)
 
-    def seconds_per_step(self, running: Iterable[Training], now: float) -> float | None:
-        """Return how long one worker takes for a control step; `None` before it is measured."""
-        steps = float(sum(steps for steps, _ in self.timed))
-        seconds = sum(seconds for _, seconds in self.timed)
-        if not steps:
+    def speed(self, running: Iterable[Training]) -> Speed | None:
+        """Return how fast one worker is; `None` before that is measured."""
+        if not self.timed:
             return None
-        for one in running:
-            if one.timed_from is not None:
-                steps += one.steps - one.timed_steps
-                seconds += now - one.timed_from
-        return seconds / steps
+        under_way = (one.so_far() for one in running)
+        timed = [*self.timed, *(one for one in under_way if one is not None)]
+        around = [one.around for one in self.timed if one.around is not None]
+        steps = sum(one.steps for one in timed)
+        return Speed(sum(one.seconds for one in timed) / steps, fmean(around) if around else 0.0)
 
 
 def seconds_left(
@@ -89,7 +121,6 @@ def seconds_left(
     waiting: Mapping[int, int],
     running: Sequence[Training],
     leaders: Sequence[Evaluation],
-    now: float,
     elapsed: float,
 ) -> float | None:
     """Return about how many seconds a run still takes; `None` before anything was measured.
@@ -101,24 +132,24 @@ def seconds_left(
             steps that their training rests at.
         running: what the workers are busy with.
         leaders: the best of the search so far, as many as will be finalists.
-        now: on the clock by which `running` began.
         elapsed: seconds since the run began.
     """
-    pace = work.seconds_per_step(running, now)
-    if pace is None:
+    speed = work.speed(running)
+    if speed is None:
         return None
     target = work.target or run.settings.candidate.steps
-    under_way = [float(one.total - one.steps) for one in running]
-    queued = {float(max(0, target - rests)): count for rests, count in waiting.items()}
-    all_queued = sum(length * count for length, count in queued.items())
-    left = makespan(under_way, queued, run.workers)
-    left += _after_this_batch(run, work, sum(under_way) + all_queued, leaders)
-    seconds = pace * left
+    steps_running = [one.total - one.steps for one in running]
+    queued = {max(0, target - rests): count for rests, count in waiting.items()}
+    # Of those under way, some are still to be loaded, and all are to be measured.
+    under_way = [speed.seconds(steps, 0.5) for steps in steps_running]
+    lengths = {speed.seconds(steps): count for steps, count in queued.items()}
+    seconds = makespan(under_way, lengths, run.workers)
+    steps_in_batch = sum(steps_running) + sum(steps * count for steps, count in queued.items())
+    seconds += _after_this_batch(run, work, speed, steps_in_batch, leaders)
     if run.time_limit is not None:
         # What is under way when the time is up is still waited for.
-        ending = pace * max(under_way, default=0.0)
-        seconds = min(seconds, max(run.time_limit - elapsed, ending))
-    return seconds
+        seconds = min(seconds, max(run.time_limit - elapsed, max(under_way, default=0.0)))
+    return seconds + CLOSING
 
 
 def makespan(running: Iterable[float], waiting: Mapping[float, int], workers: int) -> float:
@@ -146,9 +177,9 @@ _PLAYED = 4
 
 
 def _after_this_batch(
-    run: RunBegan, work: Work, in_batch: float, leaders: Sequence[Evaluation]
+    run: RunBegan, work: Work, speed: Speed, in_batch: int, leaders: Sequence[Evaluation]
 ) -> float:
-    """Return the control steps that pass after the current batch, as the busiest worker sees it."""
+    """Return the seconds that pass after the current batch, as the busiest worker sees it."""
     stages = run.plan.stages
     names = [stage.name for stage in stages]
     current = names.index(work.stage) if work.stage in names else 0
@@ -165,7 +196,7 @@ def _after_this_batch(
             steps = min(steps, budget)
             budget -= max(0.0, steps)
         batches = share * stage.batches - work.batches[stage.name]
-        passed += _passing(stage, steps, batches, run.workers)
+        passed += _passing(stage, speed, steps, batches, run.workers)
     return passed
 
 
@@ -187,14 +218,15 @@ def _share_of_final(run: RunBegan, leaders: Sequence[Evaluation]) -> float:
     return (count + other) / (count + 3)
 
 
-def _passing(stage: Stage, steps: float, batches: float, workers: int) -> float:
-    """Return how many control steps of one worker `steps` of a stage take.
+def _passing(stage: Stage, speed: Speed, steps: float, batches: float, workers: int) -> float:
+    """Return how many seconds `steps` control steps of a stage take.
 
     At the end of each batch some workers wait for the last one: half an evaluation long, on
     average. And no batch is shorter than one evaluation.
     """
     if steps <= 0 or batches <= 0:
         return 0.0
-    one = min(stage.steps / max(1, stage.evaluations), steps)
+    length = min(stage.steps / max(1, stage.evaluations), steps)
+    one = speed.seconds(length)
     tail = batches * one * (1 - 1 / workers) / 2
-    return max(batches * one, steps / workers + tail)
+    return max(batches * one, speed.seconds(steps, steps / length) / workers + tail)

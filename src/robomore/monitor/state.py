@@ -17,7 +17,7 @@ from robomore.events import (
     Spent,
     Started,
 )
-from robomore.monitor.remaining import Work, seconds_left
+from robomore.monitor.remaining import Timed, Work, seconds_left
 from robomore.plan import Stage
 from robomore.types import Evaluation, Place, Status
 
@@ -34,9 +34,9 @@ class Running:
         before: how many of them were done when it began; its training goes on from there.
         steps: how many are done by now.
         began: on the clock.
-        timed_from: on the clock, from when on its speed is judged; `None` while it cannot be. The
-            first training of a worker compiles, which says nothing of the others.
-        timed_steps: how many were done then.
+        compiles: whether it is the first of its worker, whose start says nothing of the others.
+        told: when it first told of progress, and how many steps were done then.
+        latest: when it last did.
     """
 
     place: Place
@@ -44,8 +44,31 @@ class Running:
     before: int
     steps: int
     began: float
-    timed_from: float | None
-    timed_steps: int
+    compiles: bool
+    told: tuple[float, int] | None = None
+    latest: float = 0.0
+
+    def progressed(self, steps: int, now: float) -> None:
+        """Note how many control steps are done."""
+        self.steps, self.latest = max(steps, self.before), now
+        self.told = self.told or (now, self.steps)
+
+    def so_far(self) -> Timed | None:
+        """Return how fast it is, from when on it told of progress."""
+        if self.told is None or self.steps <= self.told[1]:
+            return None
+        return Timed(self.steps - self.told[1], self.latest - self.told[0], None)
+
+    def ended(self, now: float) -> Timed | None:
+        """Return how long it took; `None` where it had nothing to do."""
+        asked, whole = self.total - self.before, now - self.began
+        if self.told is None or 2 * (self.steps - self.told[1]) < asked:
+            # It told of too little to tell its steps from what is around them.
+            return Timed(asked, whole, None) if asked else None
+        steps, seconds = self.steps - self.told[1], self.latest - self.told[0]
+        if self.compiles:
+            whole, asked = now - self.latest, self.total - self.steps
+        return Timed(steps, seconds, max(0.0, whole - seconds / steps * asked))
 
 
 @dataclass(slots=True)
@@ -106,18 +129,14 @@ class RunState:
             case BatchBegan(places):
                 self._batch_began(places)
             case Started(key, place, steps):
-                before, now = self._work.trained.get(place, 0), self.clock()
-                warm = self.run is None or self._taken_up >= self.run.workers
-                timed_from = now if warm else None
-                self.running[key] = Running(place, steps, before, before, now, timed_from, before)
+                before = self._work.trained.get(place, 0)
+                first = self.run is not None and self._taken_up < self.run.workers
+                self.running[key] = Running(place, steps, before, before, self.clock(), first)
                 self._taken_up += 1
                 self._work.target = steps
                 self._start(place)
             case Progressed(key, steps) if key in self.running:
-                one = self.running[key]
-                one.steps = max(steps, one.before)
-                if one.timed_from is None:
-                    one.timed_from, one.timed_steps = self.clock(), one.steps
+                self.running[key].progressed(steps, self.clock())
             case Finished(evaluation, place, known):
                 self._finished(evaluation, place, known)
 
@@ -167,9 +186,7 @@ class RunState:
             return None
         running = list(self.running.values())
         leaders = [evaluation for evaluation, _ in self.leaders]
-        return seconds_left(
-            self.run, self._work, self._waiting, running, leaders, self.clock(), self.elapsed
-        )
+        return seconds_left(self.run, self._work, self._waiting, running, leaders, self.elapsed)
 
     def _stage(self, place: Place) -> Stage:
         return self.run.plan.stage(place.stage) if self.run else Stage(name=place.stage)
@@ -203,21 +220,13 @@ class RunState:
         self._start(place)
         self.open.pop(place, None)
         running = self.running.pop(evaluation.key, None)
-        self._work.finish(place, evaluation.job.steps, self._timed(running, evaluation))
+        # One that fails ends early.
+        timed = running.ended(self.clock()) if running and evaluation.ok else None
+        self._work.finish(place, evaluation.job.steps, timed)
         if not evaluation.ok:
             self.trouble = f"{evaluation.status}: {evaluation.diagnosis}"
         elif self._stage(place).role == "search":
             self._rank(evaluation, place)
-
-    def _timed(self, running: Running | None, evaluation: Evaluation) -> tuple[int, float] | None:
-        """Return steps and seconds by which the speed is judged; one that fails ends early."""
-        if running is None or not evaluation.ok:
-            return None
-        # One that told of no progress before its half is timed as a whole.
-        since, done = running.timed_from, running.timed_steps
-        if since is None or 2 * done >= running.before + running.total:
-            since, done = running.began, running.before
-        return (running.total - done, self.clock() - since) if running.total > done else None
 
     def _rank(self, evaluation: Evaluation, place: Place) -> None:
         if self.run is None or evaluation.job.steps < self.run.settings.candidate.steps:

@@ -4,22 +4,29 @@ import { make, number } from "./words.js";
 
 const PAGE = 25; // rows
 
+// How the tables of a live page are sorted, by the part of the page that is renewed again and again.
+const chosen = new Map();
+
 // Lets the headings of a table with the class `sortable` sort it. Cells may carry `data-value`.
 export function wireTables(root = document) {
   for (const table of root.querySelectorAll("table.sortable")) {
+    const part = table.closest("[data-part-of]")?.dataset.partOf;
     const headings = [...table.querySelectorAll("thead th")];
+    if (headings.some((heading) => heading.querySelector("button"))) continue;
+    const sort = (column, upwards) => {
+      mark(headings, headings[column], upwards);
+      if (part) chosen.set(part, [column, upwards]);
+      const rows = [...table.tBodies[0].rows];
+      rows.sort((one, other) => compared(value(one.cells[column]), value(other.cells[column]),
+        upwards));
+      table.tBodies[0].append(...rows);
+    };
     headings.forEach((heading, column) => {
       const button = make("button", { type: "button" }, ...heading.childNodes);
       heading.replaceChildren(button);
-      button.onclick = () => {
-        const upwards = heading.getAttribute("aria-sort") === "descending";
-        mark(headings, heading, upwards);
-        const rows = [...table.tBodies[0].rows];
-        rows.sort((one, other) => compared(value(one.cells[column]), value(other.cells[column]),
-          upwards));
-        table.tBodies[0].append(...rows);
-      };
+      button.onclick = () => sort(column, heading.getAttribute("aria-sort") === "descending");
     });
+    if (chosen.has(part)) sort(...chosen.get(part));
   }
 }
 
