@@ -44,7 +44,7 @@ def test_what_is_too_large_is_named(template: str, said: str) -> None:
 
 
 def test_a_mesh_that_takes_long_is_refused() -> None:
-    with pytest.raises(InputError, match="'a.obj' has more than 16 MiB"):
+    with pytest.raises(InputError, match=r"'a\.obj' has more than 16 MiB"):
         refuse_files("task", "<mujoco/>", {"a.obj": b"x" * (2**24 + 1)})
 
 
