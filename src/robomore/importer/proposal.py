@@ -148,7 +148,7 @@ def _goal(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> list[str]:
     if goal == "economy":
         weight = float(model.body_mass.sum()) * 9.81
         fitness = "transport-economy"
-        reward = _ECONOMY.replace("WATTS", f"{float(f'{_COSTLY * weight:.2g}'):g}")
+        reward = _ECONOMY.replace("WATTS", str(float(f"{_COSTLY * weight:.2g}")))
     return [f"fitness = {_text(fitness)}", f"reward = '''\n{reward}'''"]
 
 
