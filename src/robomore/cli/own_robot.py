@@ -92,6 +92,8 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
 
 def _tell(read: ReadTask) -> None:
     """Say what was found in a robot and what is free."""
+    import mujoco
+
     from robomore.importer.limbs import find_links, groups
 
     model = read.robot.spec().compile()
@@ -108,6 +110,16 @@ def _tell(read: ReadTask) -> None:
             f"{', '.join(edit.parts)}"
         )
     lines.append(f"  mass by {read.task.mass}")
+    moves = bool((model.jnt_type == mujoco.mjtJoint.mjJNT_FREE).any())
+    base = "moves freely" if moves else "is fixed to the world, since nothing gives it a free joint"
+    lines.append(f"  its base {base}; its goal is `{read.task.goal.name}`")
+    if not moves:
+        lines.append("    if it is to move, give its root a <freejoint/>, or `new` --base free")
+    lines += [
+        f"  added by the task file: a {group.kind} of {group.torque:g} N·m for "
+        f"{', '.join(group.joints)}"
+        for group in read.plan.motors
+    ]
     lines += [f"  note: {note}" for note in read.notes]
     write("\n".join(lines) + "\n")
 

@@ -34,6 +34,9 @@ _MOST_GROUPS = 6
 _LEAST_SHARE = 0.25
 """Links shorter than this fraction of the longest one are not proposed as free."""
 
+_REACH = "reach = 0.35  # fraction of each control range that actions use"
+"""For servos, since smaller motions are learnt sooner; motors would lack torque."""
+
 _WALKING = '''def _get_rew(self, x_velocity, action):
     """Forward speed, a bonus for staying upright, less the cost of effort."""
     forward = 2.0 * min(x_velocity, 2.0)
@@ -120,7 +123,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         "",
         "control_hz = 50",
         "episode_seconds = 20",
-        *(["reach = 0.35  # fraction of each control range that actions use"] if moves else []),
+        *([_REACH] if moves and _has_servos(model, motors) else []),
         "",
     ]
     if home := propose_home(robot, model):
@@ -141,6 +144,12 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
     for parameter in _chosen(found, free):
         lines += parameter
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _has_servos(model: mujoco.MjModel, motors: Sequence[MotorGroup]) -> bool:
+    """Return whether anything is held in a position, by the robot's own motors or proposed ones."""
+    own = model.actuator_biastype != mujoco.mjtBias.mjBIAS_NONE
+    return bool(own.any()) or any(group.kind == "servo" for group in motors)
 
 
 def _goal(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> list[str]:

@@ -142,7 +142,9 @@ def load_gallery(folder: Path) -> list[Entry]:
         InputError: there is none, or one cannot be read.
     """
     files = PlainFolder(folder)
-    names = [name for name in files.names() if files.is_file(f"{name}/{DESIGN}")]
+    # Plain files may lie beside the champions.
+    folders = [name for name in files.names() if files.kind(name) == "folder"]
+    names = [name for name in folders if files.is_file(f"{name}/{DESIGN}")]
     if not names:
         raise InputError(f"{folder} is no gallery: no folder in it has a {DESIGN}")
     return [load_entry(folder / name) for name in sorted(names)]
