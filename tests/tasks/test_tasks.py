@@ -263,3 +263,14 @@ def test_broken_additions_are_named(monkeypatch: pytest.MonkeyPatch, value: str,
     with pytest.raises(InputError, match=said):
         get_task("eel")
     assert get_task("ant").id == "ant"
+
+
+def test_what_is_near_a_task_file_is_told_apart(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"`robomore new my/biped\.xml` makes one"):
+        get_task("my/biped.xml")
+    (tmp_path / "task.toml").write_text("")
+    with pytest.raises(InputError, match=r"is a folder; name the task file in it, .*task\.toml"):
+        get_task(str(tmp_path))
+    for name in ("x" * 5_000, "a\0b"):
+        with pytest.raises(InputError, match="no task is called"):
+            get_task(name)

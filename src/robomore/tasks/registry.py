@@ -38,6 +38,10 @@ _FROM_FILES: dict[str, Task] = {}
 """Tasks that were read from files in this process, by id."""
 
 
+_ROBOTS = (".xml", ".urdf", ".mjcf")
+"""Endings of robots' files."""
+
+
 def get_task(id: str) -> Task:
     """Return a task by its id, of a side study too (`robomore.tasks.variants`), or by its file.
 
@@ -47,10 +51,21 @@ def get_task(id: str) -> Task:
         InputError: there is no such task, or its file or the package that adds it is faulty.
     """
     if id in _FROM_FILES or not id.endswith(SUFFIX):
+        if id.lower().endswith(_ROBOTS):
+            raise InputError(f"{id} is a robot and no task; `robomore new {id}` makes one of it")
+        if id not in TASKS and _is_file(inside := Path(id) / f"task{SUFFIX}"):
+            raise InputError(f"{id} is a folder; name the task file in it, {inside}")
         return known_task(id)
     from robomore.importer.task_file import read_task
 
     return remember(read_task(Path(id)))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False  # no name that a file can have
 
 
 def known_task(id: str) -> Task:
