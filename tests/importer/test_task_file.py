@@ -142,7 +142,7 @@ MISTAKES = {
     "another mass mode": ('mass = "length"', 'mass = "air"', "mass: 'air' is none of 'density'"),
     "an installed id": ('id = "dog"', 'id = "ant"', "the id of another one; rename it"),
     "an unknown sensor": ("control_hz", 'sensors = ["gyr"]\ncontrol_hz', "there are gyro"),
-    "no robot": ('"robot.xml"', '"robt.xml"', r"robt\.xml is no robot"),
+    "no robot": ('"robot.xml"', '"robt.xml"', r"there is no file .*robt\.xml"),
     "a joint that is none": ("FL_knee =", "FL_nee =", "nothing is called 'FL_nee'"),
     "a joint beyond its range": ("FL_knee =", "FL_knee = 9.0 #", "FL_knee = 9, which is outside"),
     "no part": ("of = [", "of = [] #", "`of` is empty"),

@@ -50,10 +50,10 @@ def read_parameters(task: Task, given: str) -> tuple[float, ...]:
             f"{given} holds a {type(found).__name__}; write a list of {len(task.parameters)} "
             f"numbers or an object with {', '.join(task.names)}"
         )
-    values = found.values() if isinstance(found, dict) else found
-    for value in values:
+    values = found if isinstance(found, dict) else dict(enumerate(found, start=1))
+    for name, value in values.items():
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{given}: {json.dumps(value)} is not a number")
+            raise InputError(f"{given}: {name} is {json.dumps(value)}, which is not a number")
     return task.check(found)
 
 

@@ -219,7 +219,8 @@ def _chosen(found: dict[str, tuple[bool, list[str]]], free: Sequence[str]) -> li
             chosen += [name for name in fits if name not in chosen]
     if not chosen:
         raise InputError(
-            "no limb was found whose length or thickness could be free; give the links geoms"
+            "no limb was found whose length or thickness could be free; a limb is a link with a "
+            "geom that hangs from another link by a joint"
         )
     return [found[name][1] for name in chosen]
 
