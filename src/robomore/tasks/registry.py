@@ -51,11 +51,16 @@ def get_task(id: str) -> Task:
         InputError: there is no such task, or its file or the package that adds it is faulty.
     """
     if id in _FROM_FILES or not id.endswith(SUFFIX):
-        if id.lower().endswith(_ROBOTS):
-            raise InputError(f"{id} is a robot and no task; `robomore new {id}` makes one of it")
-        if id not in TASKS and _is_file(inside := Path(id) / f"task{SUFFIX}"):
-            raise InputError(f"{id} is a folder; name the task file in it, {inside}")
-        return known_task(id)
+        try:
+            return known_task(id)
+        except InputError:
+            if id.lower().endswith(_ROBOTS):
+                raise InputError(
+                    f"{id} is a robot; `robomore new {id}` makes a task of it"
+                ) from None
+            if _is_file(inside := Path(id) / f"task{SUFFIX}"):
+                raise InputError(f"{id} is a folder; name the task file, {inside}") from None
+            raise
     from robomore.importer.task_file import read_task
 
     return remember(read_task(Path(id)))
