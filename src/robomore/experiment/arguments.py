@@ -16,11 +16,11 @@ def ensure_usable(
     Raises:
         InputError: naming the value, the range and the remedy.
     """
-    _whole("the seed", seed, 0)
+    ensure_whole("the seed", seed, 0)
     if workers is not None:
-        _whole("the number of workers", workers, 1)
+        ensure_whole("the number of workers", workers, 1)
     if budget_steps is not None:
-        _whole("the budget in control steps", budget_steps, 1)
+        ensure_whole("the budget in control steps", budget_steps, 1)
     if time_limit is not None and not (isinstance(time_limit, int | float) and time_limit > 0):
         raise InputError(
             f"the time limit is {time_limit!r}; give a positive number, in s (on the command line "
@@ -30,6 +30,11 @@ def ensure_usable(
         raise InputError(f"the run's folder is {out!r}; give its path as a text or a Path")
 
 
-def _whole(what: str, value: object, least: int) -> None:
+def ensure_whole(what: str, value: object, least: int) -> None:
+    """Refuse what is no whole number from `least` up.
+
+    Raises:
+        InputError: naming `what` and its value.
+    """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise InputError(f"{what} is {value!r}; give a whole number from {least} up")
