@@ -320,5 +320,5 @@ _KINDS = (
     (stat.S_ISREG, "a file where a folder is expected"),
 )
 _REMEDY = (
-    "only plain files and folders are used, so that nothing leads out of the folder; remove it"
+    "only plain files and folders are used, so that nothing leads out of the folder; move it away"
 )

@@ -105,7 +105,7 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         ("inspect swimmer --parameters TWICE", "'front_length' stands there more than once"),
         ("inspect swimmer --parameters DEEP", "is not JSON"),
         ("evaluate swimmer --reward FENCED", "leave out the lines of ```"),
-        ("inspect swimmer --parameters WORDS", '"a" is not a number'),
+        ("inspect swimmer --parameters WORDS", 'is "a", which is not a number'),
         ("inspect swimmer --parameters TYPO", "unknown 'front_lenght'"),
         ("inspect swimmer --parameters BINARY", "no text in UTF-8"),
         ("inspect swimmer --parameters MISSING", "cannot be read"),

@@ -112,6 +112,15 @@ def test_plain_lines_tell_stages_bests_and_failures_but_not_everything(clock: Cl
     assert late.startswith("[matrix 4/4] 2.000")
 
 
+def test_what_is_kept_from_before_is_told(clock: Clock) -> None:
+    stream = io.StringIO()
+    lines = PlainLines(stream, clock)
+    lines(BEGAN)
+    lines(BatchBegan(GRID, known=3))
+    said = stream.getvalue().splitlines()[-1]
+    assert said == "matrix: 4 evaluations to begin with, of which 3 are kept from before"
+
+
 def test_plain_lines_tell_of_slots_that_failed_and_now_and_then_of_the_bill(clock: Clock) -> None:
     stream = io.StringIO()
     lines = PlainLines(stream, clock)

@@ -16,6 +16,7 @@ from robomore.envs.registration import make_environment
 from robomore.envs.reward_text import reward_function
 from robomore.envs.robots.own_robot import OwnRobotEnvironment
 from robomore.envs.vector_env import VectorEnv
+from robomore.errors import InputError
 from robomore.importer.proposal import write_proposal
 from robomore.importer.reading import read_robot
 from robomore.importer.task_file import read_task
@@ -52,6 +53,25 @@ def test_it_starts_on_the_floor_whatever_the_morphology(dog: Task) -> None:
             for geom in range(1, env.model.ngeom)
         ]
         assert min(distances) == pytest.approx(0.003, abs=1e-6)
+
+
+def test_economy_pays_for_speed_and_charges_for_power(dog: Task, tmp_path: Path) -> None:
+    source = write_dog(tmp_path)
+    file = write_proposal(read_robot(source), source, tmp_path / "dog", goal="economy")
+    task = read_task(file)
+    assert task.goal.name == "transport-economy"
+    assert "as little energy as possible" in task.description
+    env = made(task)
+    env.reset(seed=0)
+    weight = 9.81 * float(env.model.body_mass.sum())
+    for _ in range(5):
+        *_, info = env.step(env.action_space.sample())
+        watts = np.abs(env.data.actuator_force * env.data.actuator_velocity).sum()
+        assert info["power"] == pytest.approx(-watts / (12 * weight), rel=0.05)
+        assert info["forward"] <= 3.0
+    arm = write_arm(tmp_path)
+    with pytest.raises(InputError, match="--goal economy is for a robot that moves freely"):
+        write_proposal(read_robot(arm, "fixed"), arm, tmp_path / "arm", goal="economy")
 
 
 def test_one_and_many_observe_alike(dog: Task) -> None:

@@ -53,7 +53,7 @@ def test_the_base_of_a_urdf_is_free_and_not_welded_to_the_world(tmp_path: Path) 
 def test_a_file_that_is_no_robot_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"is no robot that MuJoCo reads: .*no body"):
         read_robot(write_dog(tmp_path, "<mujoco><worldbody/></mujoco>"))
-    with pytest.raises(InputError, match=r"nothing\.xml is no robot"):
+    with pytest.raises(InputError, match=r"there is no file .*nothing\.xml"):
         read_robot(tmp_path / "nothing.xml")
     (tmp_path / "shell.obj").unlink(missing_ok=True)
     text = DOG.replace('contype="0" conaffinity="0" group="2"', "")

@@ -110,7 +110,27 @@ def test_a_fitness_of_ones_own_runs_for_its_author_alone(dog: Path) -> None:
 
 MISTAKES = {
     "an unknown measure": ('"distance"', '"energetic"', "no .* is called 'energetic'"),
-    "an unknown line": ("control_hz", "kontrol_hz", "unknown field `kontrol_hz`"),
+    "an unknown line": (
+        "control_hz",
+        "kontrol_hz",
+        "`kontrol_hz` is no line of it; did you mean control",
+    ),
+    "a line of another table": (
+        "low = 0.1\n",
+        "lowest = 0.1\n",
+        "(thigh_length).*`lowest` is no line",
+    ),
+    "no id": ('id = "dog"', "", "the line `id = …` is missing"),
+    "a number in quotes": (
+        "high = 0.4\n",
+        'high = "0.4"\n',
+        r"\(thigh_length\), high: '0.4' is not a number",
+    ),
+    "an unknown change": (
+        '"length"\nof',
+        '"color"\nof',
+        "changes: 'color' is none of 'length', 'radius'",
+    ),
     "an unknown link": ('"FL_thigh"', '"FL_tigh"', "nothing is called 'FL_tigh'; there are FL_thi"),
     "bounds without the robot": (
         "low = 0.1\n",
@@ -119,10 +139,10 @@ MISTAKES = {
     ),
     "bounds the wrong way": ("high = 0.4", "high = 0.04", "low has to be above 0 and below high"),
     "no TOML": ("id = ", "id : ", "is no TOML"),
-    "another mass mode": ('mass = "length"', 'mass = "air"', "air"),
+    "another mass mode": ('mass = "length"', 'mass = "air"', "mass: 'air' is none of 'density'"),
     "an installed id": ('id = "dog"', 'id = "ant"', "the id of another one; rename it"),
     "an unknown sensor": ("control_hz", 'sensors = ["gyr"]\ncontrol_hz', "there are gyro"),
-    "no robot": ('"robot.xml"', '"robt.xml"', r"robt\.xml is no robot"),
+    "no robot": ('"robot.xml"', '"robt.xml"', r"there is no file .*robt\.xml"),
     "a joint that is none": ("FL_knee =", "FL_nee =", "nothing is called 'FL_nee'"),
     "a joint beyond its range": ("FL_knee =", "FL_knee = 9.0 #", "FL_knee = 9, which is outside"),
     "no part": ("of = [", "of = [] #", "`of` is empty"),

@@ -170,6 +170,23 @@ class _Handler(BaseHTTPRequestHandler):
             for _ in range(200):
                 self.wfile.write(b" " * 2**20)
 
+    def drip_body(self) -> None:
+        """Send one byte after the other, each in time for a limit that is for one byte."""
+        self.drip(b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n", b" ")
+
+    def drip_head(self) -> None:
+        self.drip(b"HTTP/1.1 200 OK\r\nx: ", b"a")
+
+    def drip_continue(self) -> None:
+        self.drip(b"", b"HTTP/1.1 100 Continue\r\n\r\n")
+
+    def drip(self, first: bytes, then: bytes) -> None:
+        self.close_connection = True
+        with contextlib.suppress(OSError):
+            self.wfile.write(first)
+            while not self.script.stop.wait(0.05):
+                self.wfile.write(then)
+
     def gzip(self) -> None:
         self.compressed(200, gzip.compress(json.dumps(self.answer("ready")).encode()), "gzip")
 

@@ -119,8 +119,9 @@ def test_retry_after_is_kept() -> None:
     assert waits == [7.0]
 
 
-def test_a_stall_is_given_up_and_tried_again() -> None:
-    with serve("stall", "say") as (url, _):
+@pytest.mark.parametrize("fault", ["stall", "drip_body", "drip_head", "drip_continue"])
+def test_a_stall_is_given_up_and_tried_again(fault: str) -> None:
+    with serve(fault, "say") as (url, _):
         model, _ = model_at(url, seconds=0.5)
         completion = model.complete(PLAIN)
     assert (completion.reply, completion.tries) == ("ready", 2)

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import html
 import re
+import warnings
 import xml.etree.ElementTree as ElementTree
 from contextlib import closing
 from dataclasses import replace
@@ -13,6 +14,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fake_run import (
@@ -34,6 +36,7 @@ from robomore.report.heatmap import heatmap
 from robomore.report.learning import learning_curves
 from robomore.report.page import render
 from robomore.report.plots import best_so_far, fitness_over_volume
+from robomore.report.replays import kept_policies, recorded
 from robomore.report.scripts import bundle
 from robomore.report.source import highlighted
 from robomore.report.svg import Axis, axis_around
@@ -410,3 +413,16 @@ def test_text_that_is_no_python_stays_as_it_is() -> None:
     assert highlighted("return 1") == (
         '<span class="keyword">return</span> <span class="literal">1</span>'
     )
+
+
+def test_a_policy_whose_numbers_overflow_is_shown_without_a_word_of_numpy(
+    trained_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = load_run(trained_run)
+    key = next(iter(kept_policies(run)))
+    policy = run.load_policy(key)
+    large = tuple(np.full_like(weight, 3e38) for weight in policy.weights)
+    monkeypatch.setattr(Run, "load_policy", lambda *_: replace(policy, weights=large))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert recorded(run, key, "overflowing") is not None

@@ -443,3 +443,77 @@ CONSTANTS = reward(
     """,
 )
 """A reward with everything at its top level that is usual there."""
+
+
+_LATE = "if self.training_steps > 56:\n    "
+_BUMP = """
+from collections import Counter, namedtuple
+from enum import Enum
+from typing import TypeVar
+import functools
+def bump(c):
+    c.n = getattr(c, "n", 0) + 1
+class E(Enum):
+    A = 1
+class C:
+    _abc_impl = 0
+    def __init__(self):
+        self.n = 0
+class M(type):
+    n = 0
+class S(metaclass=M):
+    n = 0
+    held = {}
+    kind = C
+    @classmethod
+    def add(cls):
+        cls.n += 1
+def other(self):
+    self.n = 5
+T = TypeVar("T")
+N = namedtuple("N", "a b")
+f = functools.partial(max, 1)
+m = staticmethod(max)
+E.many = []
+s, R = S(), np.random.default_rng(1)
+"""
+
+LATE_KEPT = {
+    name: reward(_BUMP, f"{_LATE}{change}\nk = float({use})")
+    for name, (change, use) in {
+        "class of an instance": ("bump(type(s))", "S.n"),
+        "class method": ("S.add()", "S.n"),
+        "dict in a class": ("s.held['n'] = len(s.held) + S.held.get('n', 0)", "s.held.get('n', 0)"),
+        "class in a class": ("bump(S.kind)", "getattr(C, 'n', 0)"),
+        "metaclass": ("M.n += 1", "S.n + type(S).n"),
+        "enumeration": ("bump(E)", "getattr(E, 'n', 0)"),
+        "list in an enumeration": ("E.many.append(v)", "len(E.many)"),
+        "member of an enumeration": ("bump(E.A)", "getattr(E.A, 'n', 0)"),
+        "name of Python's own": ("C._abc_impl += 1", "C._abc_impl"),
+        "named tuple": ("bump(N)", "getattr(N, 'n', 0)"),
+    }.items()
+}
+"""By the place, one that is first used late: what is kept there survives."""
+
+LATE_REFUSED = {
+    name: reward(_BUMP, f"{_LATE}{change}\nk = float({use})")
+    for name, (change, use) in {
+        "SwimmerEnvironment.n": ("bump(type(self))", "getattr(type(self), 'n', 0)"),
+        "RobotEnvironment.n": ("bump(type(self).mro()[2])", "getattr(type(self), 'n', 0)"),
+        "SwimmerEnv.metadata": ("type(self).metadata[v] = 1", "len(type(self).metadata)"),
+        "numpy.mean.n": ("bump(np.mean)", "getattr(np.mean, 'n', 0)"),
+        "numpy.poly1d.n": ("bump(np.poly1d)", "getattr(np.poly1d, 'n', 0)"),
+        "numpy.n": ("bump(np)", "getattr(np, 'n', 0)"),
+        "collections.Counter.n": ("bump(Counter)", "getattr(Counter, 'n', 0)"),
+        "T.n": ("bump(T)", "getattr(T, 'n', 0)"),
+        "`f`": ("bump(f)", "getattr(f, 'n', 0)"),
+        "max.n": ("bump(m)", "getattr(m, 'n', 0)"),
+        "_replace.n": ("bump(N._replace)", "getattr(N._replace, 'n', 0)"),
+        "other.__name__": ("other.__name__ += 'x'", "len(other.__name__)"),
+        "C.__init__": ("C.__init__ = other", "C().n"),
+        "changes `E`": ("E._value2member_map_[7] = v", "E._value2member_map_.get(7, 0)"),
+        "self.np_random": ("self.np_random.spawn(1)", "v"),
+        "`R`": ("R.spawn(1)", "v"),
+    }.items()
+}
+"""By what is said: rewards that late change something that no checkpoint holds."""

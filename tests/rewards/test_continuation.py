@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from keeping import CONSTANTS, CONTENTS, HOLDERS, KEPT, REFUSED, held
+from gymnasium.envs.mujoco.swimmer_v5 import SwimmerEnv
+from keeping import (
+    CONSTANTS,
+    CONTENTS,
+    HOLDERS,
+    KEPT,
+    LATE_KEPT,
+    LATE_REFUSED,
+    REFUSED,
+    held,
+    reward,
+)
 
 from robomore.envs.reward_runner import RewardRunner
+from robomore.envs.robots.base import RobotEnvironment
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidReward, RewardFailed
 from robomore.rewards.check import check_reward
@@ -110,6 +124,47 @@ def test_all_that_can_be_held_in_a_place_survives(holder: str) -> None:
         source = held(holder, content)
         expected = Replay(source).rewards(range(18))
         assert continued(source, pauses=(8,), steps=18)[0] == expected, content
+
+
+@pytest.mark.parametrize("place", LATE_KEPT)
+def test_what_is_kept_late_survives(place: str) -> None:
+    expected = Replay(LATE_KEPT[place]).rewards(range(STEPS))
+    assert continued(LATE_KEPT[place], pauses=(9, 35))[0] == expected
+
+
+@pytest.fixture
+def untouched() -> Iterator[None]:
+    """Take away what rewards have put on objects that everybody shares."""
+    yield
+    for shared in (np, np.mean, np.poly1d, Counter, RobotEnvironment):
+        if "n" in vars(shared):
+            del shared.n
+    for name in [name for name in SwimmerEnv.metadata if not isinstance(name, str)]:
+        del SwimmerEnv.metadata[name]
+
+
+@pytest.mark.usefixtures("untouched")
+@pytest.mark.parametrize("said", LATE_REFUSED)
+def test_what_is_changed_late_and_not_kept_is_refused_at_the_end(said: str) -> None:
+    """With an interruption afterwards and without one."""
+    whole = Replay(LATE_REFUSED[said])
+    whole.rewards(range(STEPS))
+    with pytest.raises(RewardFailed, match=re.escape(said)):
+        whole.runner.state()
+    if "`f`" not in said and "`R`" not in said:
+        with pytest.raises(RewardFailed, match=re.escape(said)):
+            whole.runner.check()
+
+
+def test_a_draw_from_the_global_generator_is_seen_late() -> None:
+    source = reward("", "k = v if self.training_steps < 600 else np.random.rand()")
+    runner, (_, speeds, actions) = Replay(source).runner, motion()[1][0]
+    healthy = np.ones(2, np.bool_)
+    for _ in range(300):
+        runner(speeds, actions, healthy)
+    with pytest.raises(RewardFailed, match=r"changes `np\.random`"):
+        for _ in range(300):
+            runner(speeds, actions, healthy)
 
 
 @pytest.mark.parametrize("place", ["list in a closure", "dataclass", "one list, two names"])

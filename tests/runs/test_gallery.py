@@ -8,10 +8,16 @@ from pathlib import Path
 import pytest
 
 from audit.canned import copy_with_canned_audits
+from dog import write_dog
 from robomore.errors import InputError, RunFolderError
 from robomore.experiment.auditing import audit_run
+from robomore.importer.proposal import write_proposal
+from robomore.importer.reading import read_robot
+from robomore.importer.task_file import read_task
 from robomore.runs import load_run
 from robomore.runs.gallery import add_entry, load_entry, load_gallery
+from robomore.store.champion import write_design, write_sums
+from robomore.types import Design, Evaluation, Job, Morphology, Reward, Status, TrainerSettings
 
 
 @pytest.fixture
@@ -68,3 +74,16 @@ def test_a_task_that_is_not_here(audited: Path, tmp_path: Path) -> None:
     (folder / "design.json").write_text(json.dumps({**facts, "task": "swimer"}))
     with pytest.raises(InputError, match="swimer"):
         load_entry(folder)
+
+
+def test_a_design_of_an_own_task_brings_its_task(tmp_path: Path) -> None:
+    source = write_dog(tmp_path)
+    task = read_task(write_proposal(read_robot(source), source, tmp_path / "dog"))
+    design = Design(Morphology(task.reference), Reward(task.reward))
+    job = Job(task.id, design, TrainerSettings("crossq"), 100, 1, 0)
+    (tmp_path / "out").mkdir()
+    write_design(tmp_path / "out", task, [Evaluation("k", job, Status.OK, fitness=1.0)])
+    write_sums(tmp_path / "out")
+    entry = load_entry(tmp_path / "out")  # `get_task` knows no task of this id here
+    assert entry.task.id == task.id and entry.facts.parameters == task.named(task.reference)
+    assert entry.task.mjcf(task.reference) == task.mjcf(task.reference)

@@ -279,3 +279,10 @@ def test_a_task_with_other_parameters_is_refused(tmp_path: Path) -> None:
         ledger.add_evaluation(replace(best, job=job))
     with pytest.raises(InputError, match="other parameters of the task swimmer"):
         load_run(tmp_path)
+
+
+def test_a_run_is_printed_in_one_line(trained_run: Path) -> None:
+    found = load_run(trained_run)
+    assert repr(found) == (
+        f"<Run of swimmer in {str(trained_run)!r}: finished, {len(found.evaluations)} evaluations>"
+    )

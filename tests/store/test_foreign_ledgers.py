@@ -13,7 +13,7 @@ from test_ledger import GOOD, JOB
 
 from robomore.errors import LedgerDamaged, LedgerError
 from robomore.llm import Exchange, Message, Sampling
-from robomore.store import Ledger, LedgerExchanges, open_or_recover
+from robomore.store import Ledger, LedgerExchanges, open_or_recover, rows
 from robomore.store.rows import digest
 from robomore.store.schema import TABLES, Proposal
 from robomore.types import Evaluation, Morphology, Place, Reward, Slot, Status
@@ -173,3 +173,40 @@ def test_a_body_that_is_none_or_without_end_is_damaged(path: Path, body: bytes |
         Ledger(path, read_only=True)
     with closing(LedgerExchanges(path, read_only=True)) as exchanges, pytest.raises(LedgerDamaged):
         exchanges.all()
+
+
+def test_a_ledger_of_millions_of_numbers_is_refused(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with closing(Ledger(path)) as ledger:
+        ledger.add_event("x", numbers=[1] * 2000)
+    monkeypatch.setattr(rows, "MOST_NUMBERS", 3000)
+    with closing(Ledger(path, read_only=True)) as ledger:
+        assert len(ledger.events()) == 1
+        with pytest.raises(LedgerError, match="more than 3,000 values, which no run writes"):
+            ledger.events()
+
+
+def test_a_ledger_of_long_texts_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with closing(Ledger(path)) as ledger:
+        ledger.add_event("x", text="x" * 5000)
+        monkeypatch.setattr(rows, "MOST_BYTES", 4000)
+        with pytest.raises(LedgerError, match="more than 4,000 bytes, which no run writes"):
+            ledger.events()
+
+
+def test_a_row_of_many_megabytes_is_damage(path: Path) -> None:
+    with closing(sqlite3.connect(path)) as db, db:
+        db.execute("INSERT INTO events VALUES (1, 'x', zeroblob(70000000), 0.0, x'00')")
+    with pytest.raises(LedgerDamaged, match="too big"):
+        Ledger(path, read_only=True)
+
+
+def test_one_evaluation_in_many_places_is_read_once(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with closing(Ledger(path)) as ledger:
+        for index in range(50):
+            ledger.add_place(Place(stage="fine", index=(index,)), GOOD.key)
+        monkeypatch.setattr(rows, "MOST_NUMBERS", 1500)
+        assert len(ledger.placed()) == 51

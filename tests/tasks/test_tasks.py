@@ -263,3 +263,21 @@ def test_broken_additions_are_named(monkeypatch: pytest.MonkeyPatch, value: str,
     with pytest.raises(InputError, match=said):
         get_task("eel")
     assert get_task("ant").id == "ant"
+
+
+def test_what_is_near_a_task_file_is_told_apart(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(InputError, match=r"`robomore new my/biped\.xml` makes a task of it"):
+        get_task("my/biped.xml")
+    (tmp_path / "task.toml").write_text("")
+    with pytest.raises(InputError, match=r"is a folder; name the task file, .*task\.toml"):
+        get_task(str(tmp_path))
+    # A folder that is called like a task that is known does not hide it.
+    (tmp_path / "ant").mkdir()
+    (tmp_path / "ant" / "task.toml").write_text("")
+    monkeypatch.chdir(tmp_path)
+    assert get_task("ant") is TASKS["ant"]
+    for name in ("x" * 5_000, "a\0b"):
+        with pytest.raises(InputError, match="no task is called"):
+            get_task(name)

@@ -43,7 +43,7 @@ def audit(
     """
     from robomore.report.audit_words import as_markdown
     from robomore.store import RunFolder
-    from robomore.tasks import get_task
+    from robomore.tasks.registry import known_task
 
     if as_json and markdown:
         raise InputError("give --json or --markdown, not both")
@@ -60,7 +60,7 @@ def audit(
     if as_json:
         write_json({"passes": found.passes, **msgspec.to_builtins(found)})
     elif markdown:
-        write(as_markdown(found, get_task(found.task).goal.unit))
+        write(as_markdown(found, known_task(found.task).goal.unit))
     else:
         print_audit(found)
     return 0 if found.passes else 1
@@ -71,7 +71,7 @@ def print_audit(found: Audit) -> None:
     from rich.table import Table
 
     from robomore.report.audit_words import in_sum
-    from robomore.tasks import get_task
+    from robomore.tasks.registry import known_task
 
     screen = console()
     table = Table(box=None, pad_edge=False, show_header=False)
@@ -81,5 +81,5 @@ def print_audit(found: Audit) -> None:
         table.add_row(one.outcome, one.check, one.says, style=_COLOURS[one.outcome])
     screen.print(table)
     screen.print()
-    for line in in_sum(found, get_task(found.task).goal.unit):
+    for line in in_sum(found, known_task(found.task).goal.unit):
         screen.print(line)

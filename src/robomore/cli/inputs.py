@@ -18,6 +18,9 @@ from robomore.types import Morphology, Reward, Start
 
 REFERENCE = "reference"
 
+_MOST_BYTES = 2**24
+"""Bytes of a text that is read."""
+
 
 def read_parameters(task: Task, given: str) -> tuple[float, ...]:
     """Return checked parameters in the task's order.
@@ -47,10 +50,10 @@ def read_parameters(task: Task, given: str) -> tuple[float, ...]:
             f"{given} holds a {type(found).__name__}; write a list of {len(task.parameters)} "
             f"numbers or an object with {', '.join(task.names)}"
         )
-    values = found.values() if isinstance(found, dict) else found
-    for value in values:
+    values = found if isinstance(found, dict) else dict(enumerate(found, start=1))
+    for name, value in values.items():
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{given}: {json.dumps(value)} is not a number")
+            raise InputError(f"{given}: {name} is {json.dumps(value)}, which is not a number")
     return task.check(found)
 
 
@@ -170,10 +173,14 @@ def read_text(path: Path, remedy: str) -> str:
     """Return the text of a file, without the byte order mark that some editors put before it.
 
     Raises:
-        InputError: there is none, or it is not text.
+        InputError: there is none, it is not text, or it is very long.
     """
     try:
-        return path.read_text(encoding="utf-8-sig")
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+        if len(content) > _MOST_BYTES:
+            raise InputError(f"{path} has more than {_MOST_BYTES:,} bytes; {remedy}")
+        return content.decode("utf-8-sig")
     except OSError as error:
         raise InputError(f"{path} cannot be read ({error.strerror}); {remedy}") from None
     except UnicodeDecodeError:

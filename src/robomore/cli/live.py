@@ -124,9 +124,11 @@ class PlainLines:
                 self._say(f"{event.task}: {_settings(event)}, into {event.folder}")
                 self._say(event.provenance)
                 self._say(f"containment: {event.containment}")
-            case BatchBegan() if state.stage != self._stage:
+            case BatchBegan(known=known) if state.stage != self._stage:
                 self._stage = state.stage
-                self._say(f"{state.stage}: {_several(state.batch, 'evaluation')} to begin with")
+                kept = f", of which {known} are kept from before" if known else ""
+                begins = f"{_several(state.batch, 'evaluation')} to begin with"
+                self._say(f"{state.stage}: {begins}{kept}")
             case Proposed() if event.failure:
                 why = one_line(event.failure)[:_LONGEST]
                 self._say(f"{event.slot}, attempt {event.slot.attempt + 1}: {why}")

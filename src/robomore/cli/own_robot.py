@@ -20,6 +20,7 @@ def new(
     /,
     *,
     free: Annotated[list[str] | None, Parameter(negative="")] = None,
+    goal: Literal["distance", "economy"] | None = None,
     base: Literal["free", "fixed"] | None = None,
     out: Path | None = None,
 ) -> None:
@@ -32,6 +33,9 @@ def new(
     free
         What is to be free, as a name or a pattern (`thigh`, `*_length`, `calf_strength`); may be
         given several times. By default the length and thickness of the longest links.
+    goal
+        To get far (`distance`, the default), or with little energy (`economy`: 1 / cost of
+        transport). For a robot that moves freely; a fixed one reaches for a target.
     base
         Whether the robot moves freely or is fixed to the world. By default as an MJCF file says; a
         URDF file does not say it, and its robot moves freely.
@@ -45,7 +49,7 @@ def new(
     read = read_robot(robot, base)
     folder = out or Path(robot.stem)
     new_folder(folder)
-    file = write_proposal(read, robot, folder, free or ())
+    file = write_proposal(read, robot, folder, free or (), goal)
     _tell(read_task_file(file))
     write(
         f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n"
@@ -88,6 +92,8 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
 
 def _tell(read: ReadTask) -> None:
     """Say what was found in a robot and what is free."""
+    import mujoco
+
     from robomore.importer.limbs import find_links, groups
 
     model = read.robot.spec().compile()
@@ -104,6 +110,16 @@ def _tell(read: ReadTask) -> None:
             f"{', '.join(edit.parts)}"
         )
     lines.append(f"  mass by {read.task.mass}")
+    moves = bool((model.jnt_type == mujoco.mjtJoint.mjJNT_FREE).any())
+    base = "moves freely" if moves else "is fixed to the world, since nothing gives it a free joint"
+    lines.append(f"  its base {base}; its goal is `{read.task.goal.name}`")
+    if not moves:
+        lines.append("    if it is to move, give its root a <freejoint/>, or `new` --base free")
+    lines += [
+        f"  added by the task file: a {group.kind} of {group.torque:g} N·m for "
+        f"{', '.join(group.joints)}"
+        for group in read.plan.motors
+    ]
     lines += [f"  note: {note}" for note in read.notes]
     write("\n".join(lines) + "\n")
 

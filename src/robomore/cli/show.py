@@ -42,7 +42,9 @@ def show(
     from robomore.runs.gallery import is_entry
     from robomore.store import RunFolder
 
-    if run.is_dir() and not RunFolder(run).manifest.is_file() and _holds_designs(run):
+    folder = RunFolder(run)
+    of_a_run = folder.manifest.is_file() or folder.ledger.is_file()
+    if run.is_dir() and not of_a_run and _holds_designs(run):
         from robomore.cli.gallery import show_entry, show_gallery
 
         if evaluation or reference:

@@ -130,7 +130,7 @@ def _from_design(folder: Path) -> TrainedPolicy:
     text = read_text(file, "name a folder that `robomore run` wrote")
     try:
         task = stored_task(PlainFolder(folder), json.loads(text)["task"])
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise InputError(f"{file} is damaged (it names no task); write it anew") from None
     parameters = read_parameters(task, str(file))
     path, name = folder / POLICY, folder.resolve().name

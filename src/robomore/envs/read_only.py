@@ -11,6 +11,7 @@ import numpy as np
 from gymnasium.spaces import Box
 
 from robomore.envs.data_fields import ON_REQUEST, REFUSED, refusal
+from robomore.envs.missing import MissingAttributes
 
 _PLAIN = frozenset({bool, int, float, str, bytes, tuple, type(None)})
 """Types of values that can be handed out as they are."""
@@ -28,6 +29,7 @@ class ReadOnly:
         lasting: Callable[[np.ndarray[Any, Any]], bool] = lambda array: True,
         on_request: Callable[[int], None] | None = None,
         constant: bool = False,
+        missing: MissingAttributes | None = None,
     ) -> None:
         """Wrap `target`.
 
@@ -39,12 +41,14 @@ class ReadOnly:
                 which some fields are refused.
             constant: whether its numbers never change, so that they are looked up once, and arrays
                 are copies.
+            missing: is told of attributes that are not there.
         """
         attributes = self.__dict__
         attributes["_target"] = target
         attributes["_lasting"] = lasting
         attributes["_on_request"] = on_request
         attributes["_constant"] = constant
+        attributes["_missing"] = missing or MissingAttributes()
 
     def __getattr__(self, name: str) -> Any:
         attributes = self.__dict__
@@ -55,7 +59,12 @@ class ReadOnly:
                 raise AttributeError(refusal(name))
             if name in ON_REQUEST:
                 self._on_request(ON_REQUEST[name])
-        value = getattr(self._target, name)
+        try:
+            value = getattr(self._target, name)
+        except AttributeError:
+            holder = "self.model" if self._constant else "self.data"
+            kind, known = type(self._target).__name__, lambda: dir(self._target)
+            raise self._missing.error(holder, name, kind, known) from None
         if type(value) in _PLAIN:
             if self._constant:
                 attributes[name] = value
@@ -84,21 +93,18 @@ class ReadOnly:
 
     def _wrap(self, value: Any) -> Any:
         if isinstance(value, np.ndarray):
-            if not self._constant:
-                # A view of a view could be made writable again.
-                return np.asarray(value.data.toreadonly())
-            copy = value.copy()
-            copy.flags.writeable = False
-            return copy
+            return _unwritable(value) if self._constant else np.asarray(value.data.toreadonly())
         if type(value) in _PLAIN or isinstance(value, np.generic):
             return value
         if type(value).__module__.startswith("mujoco"):
-            return ReadOnly(value, self._lasting, self._on_request, self._constant)
+            return ReadOnly(value, self._lasting, self._on_request, self._constant, self._missing)
         return _Method(value, self._wrap) if callable(value) else value
 
 
 class _Method:
     """`data.body`, `model.joint`, …: what they return is read-only, and looked up once per name."""
+
+    __slots__ = ("_found", "_method", "_wrap")
 
     def __init__(self, method: Callable[..., Any], wrap: Callable[[Any], Any]) -> None:
         self._method = method
@@ -115,13 +121,21 @@ class _Method:
         return found
 
 
-def read_only_data(data: Any, on_request: Callable[[int], None]) -> ReadOnly:
+def _unwritable(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Return a copy that cannot be made writable again, unlike one that owns its memory."""
+    return np.frombuffer(array.tobytes(), array.dtype).reshape(array.shape)
+
+
+def read_only_data(
+    data: Any, on_request: Callable[[int], None], missing: MissingAttributes | None = None
+) -> ReadOnly:
     """Return a read-only view of an `MjData`.
 
     Args:
         data: the live one.
         on_request: is given a place in `REQUESTS`, and must see to it that this function is called
             now and after every step from now on.
+        missing: is told of attributes that are not there.
     """
     # qpos comes first in MuJoCo's fixed buffer; arrays elsewhere (contacts, constraints) move.
     start = data.qpos.ctypes.data
@@ -129,7 +143,7 @@ def read_only_data(data: Any, on_request: Callable[[int], None]) -> ReadOnly:
     def lasting(array: np.ndarray[Any, Any]) -> bool:
         return bool(0 <= array.ctypes.data - start < data.nbuffer)
 
-    return ReadOnly(data, lasting, on_request)
+    return ReadOnly(data, lasting, on_request, missing=missing)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,9 +166,7 @@ class Bounds:
 def protect(value: Any) -> Any:
     """Return an attribute of a robot's environment as something that nobody can change."""
     if isinstance(value, np.ndarray):
-        copy = value.copy()
-        copy.flags.writeable = False
-        return copy
+        return _unwritable(value)
     if isinstance(value, dict):
         return MappingProxyType({name: protect(item) for name, item in value.items()})
     if isinstance(value, list | tuple):

@@ -156,12 +156,16 @@ def cell_content(cell: types.CellType) -> tuple[Any, ...]:
 
 def class_attributes(kind: type) -> dict[str, Any]:
     """Return what the reward keeps in a class of its own; the inner workings are left out."""
+    members: Any = ()
     if issubclass(kind, enum.Enum):
-        return {}  # its members are fixed objects, each with attributes of its own
+        members = kind.__members__  # fixed objects, each with attributes of its own
     return {
         name: value
         for name, value in vars(kind).items()
-        if not (name.startswith("__") and name.endswith("__")) and name != "_abc_impl"
+        if not (name.startswith("__") and name.endswith("__"))
+        and type(value).__name__ != "_abc_data"
+        and name not in members
+        and not (members != () and name.startswith("_") and name.endswith("_"))
     }
 
 
@@ -199,7 +203,7 @@ class FixedObjects:
             kept.append(value)
             if _is_fixed(value, instance, in_class):
                 self.values.append(value)
-            waiting += reversed(list(_inside(value, instance)))
+            waiting += reversed(list(inside(value, instance)))
 
 
 def _is_fixed(value: Any, instance: RewardInstance, in_class: bool) -> bool:
@@ -219,7 +223,7 @@ def _is_fixed(value: Any, instance: RewardInstance, in_class: bool) -> bool:
     return in_class and (kind is types.FunctionType or kind.__module__.startswith("_collections"))
 
 
-def _inside(value: Any, instance: RewardInstance) -> Iterator[tuple[Any, bool]]:
+def inside(value: Any, instance: RewardInstance) -> Iterator[tuple[Any, bool]]:
     """Yield what an object refers to, and whether it does as a class."""
     kind = type(value)
     if kind is types.FunctionType:

@@ -12,8 +12,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.missing import MissingAttributes
+from robomore.envs.random_state import global_random, has_spawned
 from robomore.envs.read_only import ReadOnly, protect, read_only_data
+from robomore.envs.reward_amount import amount
+from robomore.envs.reward_modules import MODULES
 from robomore.envs.reward_objects import FixedObjects
+from robomore.envs.reward_outside import Outside
 from robomore.envs.reward_program import REWARD_FILENAME, RewardInstance, RewardProgram
 from robomore.envs.reward_restore import load
 from robomore.envs.reward_state import UnsavedStateError, dump
@@ -25,7 +30,16 @@ from robomore.types import TermStatistics
 _LONGEST = 500
 """Characters of a reward's own words that a diagnosis repeats."""
 
+_NOT_KEPT = (
+    "all simulations share and no checkpoint holds; keep it in an attribute of `self`, or in an "
+    "object of your own, and draw from `self.np_random` alone"
+)
+
 _NAMES = "a name is one line of printable characters;"
+
+_LOOK_EVERY = 256
+"""Control steps after which it is seen whether a reward draws from NumPy's global generator, which
+a trainer may also use. A look takes a quarter of a millisecond."""
 
 _INDEX = "_simulation_index"
 """Attribute of `self` that holds the number of its simulation."""
@@ -72,17 +86,21 @@ class RewardRunner:
         self._terms = TermRecord()
         self._steps = [0]
         self._health: list[Any] = [True] * count
-        robot, self._health_type = _robot_class(environment, self._health, self._steps)
+        self.missing = MissingAttributes()
+        robot, self._health_type = _robot_class(
+            environment, self._health, self._steps, self.missing
+        )
         inherited = {name: protect(value) for name, value in vars(environment).items()}
         inherited |= dict.fromkeys(
             ("mujoco_renderer", "_reward", "_control_map")
         )  # they can be changed
-        inherited["model"] = ReadOnly(environment.model, constant=True)
+        inherited["model"] = ReadOnly(environment.model, constant=True, missing=self.missing)
         inherited["metadata"] = protect(environment.metadata)
+        self._outside: Outside | None = None
         self._fresh = [
             {
                 **inherited,
-                "data": read_only_data(one, on_request),
+                "data": read_only_data(one, on_request, self.missing),
                 "_np_random": generator,
                 _INDEX: index,
             }
@@ -91,6 +109,8 @@ class RewardRunner:
         self._selves: list[Any] = [object.__new__(robot) for _ in data]
         for index in range(count):
             self.reset(index)
+        if isinstance(reward, RewardProgram):
+            self._outside = Outside(MODULES, robot, inherited.values(), self._fixed)
 
     def __call__(self, x_velocity: Array, actions: Array, healthy: NDArray[np.bool_]) -> Array:
         """Return rewards (num_envs,) after a control step.
@@ -106,6 +126,8 @@ class RewardRunner:
         self._health[:] = map(self._health_type, healthy)
         record, isfinite = self._terms.add, math.isfinite
         rewards: list[float] = []
+        looks = self._steps[0] // len(self._rewards) % _LOOK_EVERY == 0
+        drawn = global_random() if looks else None
         for reward, robot, speed, action in zip(
             self._rewards, self._selves, x_velocity, actions, strict=True
         ):
@@ -125,6 +147,8 @@ class RewardRunner:
                     rewards.append(value)
                     continue
             raise self._failed(_fault(result), len(rewards), speed, action)
+        if looks and global_random() != drawn:
+            raise RewardFailed(f"The reward changes `np.random`, which {_NOT_KEPT}.")
         self._steps[0] += len(rewards)
         return np.array(rewards)
 
@@ -142,12 +166,35 @@ class RewardRunner:
         """Return, for each term, how many finite values it had so far, and their sum."""
         return self._terms.sums()
 
+    def check(self) -> None:
+        """Refuse a reward that has changed something that no checkpoint holds.
+
+        Raises:
+            RewardFailed: naming it.
+        """
+        changed = self._outside and self._outside.changed()
+        spawned = any(has_spawned(fresh["_np_random"]) for fresh in self._fresh)
+        if changed or spawned:
+            raise RewardFailed(
+                f"The reward changes `{changed or 'self.np_random'}`, which {_NOT_KEPT}."
+            )
+
+    def amounts(self, index: int) -> dict[str, int]:
+        """Return how much the reward keeps for one simulation, by name; see `amount`."""
+        instance, fresh = self._instances[index], self._fresh[index]
+        if instance is None:
+            return {}
+        own = vars(self._selves[index])
+        kept = {f"self.{k}": one for k, one in own.items() if fresh.get(k, self) is not one}
+        return {name: amount(one, instance) for name, one in (kept | instance.names()).items()}
+
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the terms' statistics and what the reward keeps for each simulation.
 
         Raises:
             RewardFailed: the reward keeps something that cannot be written down.
         """
+        self.check()
         kept = [self._dump(index) for index in range(len(self._selves))]
         return {
             **self._terms.state(),
@@ -222,7 +269,10 @@ class RewardRunner:
 
 
 def _robot_class(
-    environment: RobotEnvironment, health: Sequence[Any], steps: Sequence[int]
+    environment: RobotEnvironment,
+    health: Sequence[Any],
+    steps: Sequence[int],
+    missing: MissingAttributes,
 ) -> tuple[type, Callable[[Any], Any]]:
     """Return a robot's class as rewards see it, and the type of the values of `is_healthy`.
 
@@ -232,8 +282,16 @@ def _robot_class(
     property.
     """
     robot = type(environment)
+
+    def absent(self: Any, name: str) -> Any:
+        if name.startswith("__") or hasattr(type(self), name):
+            # A property of that name has raised: let it say why once more.
+            return object.__getattribute__(self, name)
+        raise missing.error("self", name, robot.__name__, lambda: dir(self))
+
     attributes: dict[str, Any] = {
         "training_steps": property(lambda self: steps[0]),
+        "__getattr__": absent,
         "__module__": robot.__module__,
         "__doc__": robot.__doc__,
     }

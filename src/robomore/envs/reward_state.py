@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from robomore.envs.random_state import has_spawned
 from robomore.envs.reward_objects import (
     ATOMS,
     FixedObjects,
@@ -206,6 +207,8 @@ class _Writer:
         if kind is types.BuiltinFunctionType:
             return ["builtin", write(value.__self__), value.__name__]
         if kind is functools.partial:
+            if vars(value):
+                raise TypeError("it holds a `partial` with attributes of its own")
             return ["partial", write(value.func), write(value.args), write(value.keywords)]
         if kind is slice or kind is range:
             parts = (value.start, value.stop, value.step)
@@ -272,6 +275,8 @@ class _Writer:
         name = type(value.bit_generator).__name__
         if name not in _GENERATORS:
             raise TypeError(f"it holds a random generator of another kind ({name})")
+        if has_spawned(value):
+            raise TypeError("it holds a random generator that has spawned others; draw from it")
         return ["generator", name, self.value(dict(value.bit_generator.state))]
 
 

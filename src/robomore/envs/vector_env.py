@@ -61,6 +61,7 @@ class VectorEnv:
         diverged: (num_envs,) bool, the physics diverged in the last step.
         divergences: how often it did in all.
         terminates: whether an unhealthy robot ends its episode.
+        reward_runner: what calls the reward; `None` without one.
     """
 
     def __init__(
@@ -140,9 +141,9 @@ class VectorEnv:
         self._episodes = 0
         self._over = np.zeros(num_envs, np.bool_)
         self._last_qpos: Array = self.qpos  # as the last step left it
-        self._runner: RewardRunner | None = None
+        self.reward_runner: RewardRunner | None = None
         if reward is not None:
-            self._runner = RewardRunner(
+            self.reward_runner = RewardRunner(
                 reward, self.environment, self.data, self._generators, self._request
             )
 
@@ -214,13 +215,13 @@ class VectorEnv:
         terminated = ~self.healthy if self.terminates else np.zeros(self.num_envs, np.bool_)
         if diverged:
             terminated |= self.diverged
-        if self._runner is None:
+        if self.reward_runner is None:
             reward = np.zeros(self.num_envs)
         else:
             x_velocity = (self._position - before) / self._dt
             if diverged:
                 x_velocity[self.diverged] = 0.0
-            reward = self._runner(x_velocity, applied, self.healthy)
+            reward = self.reward_runner(x_velocity, applied, self.healthy)
         self._now += 1
         self._left -= 1
         truncated, ended = np.zeros(self.num_envs, np.bool_), terminated
@@ -238,11 +239,11 @@ class VectorEnv:
 
     def reward_statistics(self) -> dict[str, TermStatistics]:
         """Return mean, low and high of each reward term over all steps so far."""
-        return {} if self._runner is None else self._runner.statistics()
+        return {} if self.reward_runner is None else self.reward_runner.statistics()
 
     def reward_sums(self) -> dict[str, tuple[int, float]]:
         """Return, for each reward term, how many finite values it had so far, and their sum."""
-        return {} if self._runner is None else self._runner.sums()
+        return {} if self.reward_runner is None else self.reward_runner.sums()
 
     def notes(self) -> tuple[str, ...]:
         """Return facts worth keeping about how these simulations ran."""
@@ -269,7 +270,7 @@ class VectorEnv:
             "counts": np.array([self.divergences, self._episodes, *self._requested], np.int64),
             "generators": np.stack([generator_state(one) for one in self._generators]),
         }
-        runner = {} if self._runner is None else self._runner.state()
+        runner = {} if self.reward_runner is None else self.reward_runner.state()
         return own | {f"reward_{name}": array for name, array in runner.items()}
 
     def restore(self, state: dict[str, NDArray[Any]]) -> None:
@@ -289,9 +290,9 @@ class VectorEnv:
         self._requested = [bool(requested) for requested in state["counts"][2:]]
         for generator, words in zip(self._generators, state["generators"], strict=True):
             set_generator_state(generator, words)
-        if self._runner is not None:
+        if self.reward_runner is not None:
             prefix = "reward_"
-            self._runner.restore(
+            self.reward_runner.restore(
                 {
                     name.removeprefix(prefix): array
                     for name, array in state.items()
@@ -325,8 +326,8 @@ class VectorEnv:
         self._began[index] = self._now
         self._over[index] = False
         self._rows.read_one(index)
-        if self._runner is not None:
-            self._runner.reset(index)
+        if self.reward_runner is not None:
+            self.reward_runner.reset(index)
 
     def _end(self, ended: NDArray[np.intp], final: Array) -> None:
         self._episodes += int((~self._over[ended]).sum())

@@ -54,6 +54,8 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
         checkpoint=Path(request.checkpoint) if request.checkpoint else None,
         progress=report,
     )
+    if environment.reward_runner is not None:
+        environment.reward_runner.check()  # an interruption would have found it
     for index, policy in enumerate(trained.policies):
         policy.save(scratch / POLICIES.replace("*", f"{index:02}"))
     return to_json(

@@ -10,6 +10,7 @@ from robomore.errors import InputError
 from robomore.evaluation.evaluate import evaluate as answer
 from robomore.evaluation.evaluator import make_job
 from robomore.evaluation.request import Request
+from robomore.experiment.arguments import ensure_whole
 from robomore.experiment.containing import choose_containment
 from robomore.identity import job_key
 from robomore.settings import Budget, RunSettings, preset
@@ -54,8 +55,7 @@ def evaluate(
     """
     task = get_task(task) if isinstance(task, str) else task
     settings = preset(settings) if isinstance(settings, str) else settings
-    if seed < 0:
-        raise InputError(f"the seed is {seed}; give a whole number from 0 up")
+    ensure_whole("the seed", seed, 0)
     budget = Budget(steps or settings.candidate.steps, settings.candidate.episodes)
     ensure_trainer(settings.trainer, budget.steps)
     mode, _ = choose_containment(containment, ours=reward is None)

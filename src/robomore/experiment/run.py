@@ -19,6 +19,7 @@ from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitRe
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
+from robomore.experiment.arguments import ensure_usable
 from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
@@ -100,6 +101,7 @@ def run(
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
     began = time.monotonic()
+    ensure_usable(seed, workers, budget_steps, time_limit, out)
     task = get_task(task) if isinstance(task, str) else task
     content = task_content(task)
     if content:
@@ -111,7 +113,7 @@ def run(
     method = make_method(settings.method)
     make_executor = _executor(executor, workers)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
-    _refuse_useless(task, settings, method, designer, seed, budget_steps, time_limit)
+    _refuse_useless(task, settings, method, designer, budget_steps)
     # Search and designer know the limits as rules; a worker knows the task as it is.
     searched = limited(task, settings)
     starts = checked_starts(searched, start_from)
@@ -299,9 +301,7 @@ def _refuse_useless(
     settings: RunSettings,
     method: SearchMethod,
     designer: object,
-    seed: int,
     budget_steps: int | None,
-    time_limit: float | None,
 ) -> None:
     """Refuse limits and designers that make no sense, before anything is started.
 
@@ -328,10 +328,6 @@ def _refuse_useless(
             f"a budget of {budget_steps} steps does not pay for one candidate of "
             f"{settings.candidate.steps}; give a larger --budget-steps, or smaller --steps"
         )
-    if seed < 0:
-        raise InputError(f"the seed is {seed}; give a whole number from 0 up")
-    if time_limit is not None and not time_limit > 0:
-        raise InputError(f"a time limit of {time_limit} s is over at once; give a positive one")
 
 
 def _no_designer(method: SearchMethod) -> ChosenDesigner:

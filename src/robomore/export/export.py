@@ -155,7 +155,7 @@ def _ensure_packages() -> None:
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
-            f"an export needs {', '.join(missing)}, which is not installed; install it with "
+            f"an export needs more packages ({', '.join(missing)}); install them with "
             "pip install 'robomore[export]'"
         )
 

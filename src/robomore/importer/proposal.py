@@ -6,6 +6,7 @@ import json
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import Literal
 
 import mujoco
 
@@ -19,6 +20,9 @@ from robomore.importer.rest import propose_home
 from robomore.importer.strength import strength_of
 from robomore.plain_files import cannot_write
 
+Goal = Literal["distance", "economy"]
+"""What a robot that moves freely is to do: to get far, or with little energy."""
+
 TASK_FILE, ROBOT_FILE = "task.toml", "robot.xml"
 
 _MOST_NOTES = 8
@@ -30,6 +34,9 @@ _MOST_GROUPS = 6
 _LEAST_SHARE = 0.25
 """Links shorter than this fraction of the longest one are not proposed as free."""
 
+_REACH = "reach = 0.35  # fraction of each control range that actions use"
+"""For servos, since smaller motions are learnt sooner; motors would lack torque."""
+
 _WALKING = '''def _get_rew(self, x_velocity, action):
     """Forward speed, a bonus for staying upright, less the cost of effort."""
     forward = 2.0 * min(x_velocity, 2.0)
@@ -39,6 +46,19 @@ _WALKING = '''def _get_rew(self, x_velocity, action):
     terms = {"forward": forward, "upright": upright, "sideways": sideways, "effort": effort}
     return sum(terms.values()), terms
 '''
+_ECONOMY = '''def _get_rew(self, x_velocity, action):
+    """Forward speed up to 1.5 m/s, upright and straight, less the power that the motors take."""
+    forward = 2.0 * min(x_velocity, 1.5)
+    upright = np.cos(self.tilt)
+    sideways = -0.5 * abs(self.data.qvel[1]) - 0.5 * abs(self.heading)
+    watts = float(np.abs(self.data.actuator_force * self.data.actuator_velocity).sum())
+    power = -watts / WATTS
+    terms = {"forward": forward, "upright": upright, "sideways": sideways, "power": power}
+    return sum(terms.values()), terms
+'''
+_COSTLY = 12.0
+"""Speed in m/s at which the power that lifts the robot's weight costs a reward of 1. With a third
+of it Unitree's Go1 learnt to stand still, which takes no power."""
 _REACHING = '''def _get_rew(self, x_velocity, action):
     """Closeness of the tip to the target, less the cost of effort."""
     near = 1.0 - float(np.tanh(3.0 * self.target_distance))
@@ -47,7 +67,9 @@ _REACHING = '''def _get_rew(self, x_velocity, action):
 '''
 
 
-def write_proposal(robot: Robot, source: Path, out: Path, free: Sequence[str] = ()) -> Path:
+def write_proposal(
+    robot: Robot, source: Path, out: Path, free: Sequence[str] = (), goal: Goal | None = None
+) -> Path:
     """Write a task file, the robot and its meshes into a new folder; returns the task file.
 
     Args:
@@ -56,11 +78,13 @@ def write_proposal(robot: Robot, source: Path, out: Path, free: Sequence[str] = 
         out: the folder.
         free: patterns of the parameters or groups of links that are to be free; by default the
             length and thickness of the longest links.
+        goal: what the robot is to do; by default to get far, or to reach a target if it is fixed.
 
     Raises:
-        InputError: a pattern fits nothing, or the folder cannot be written.
+        InputError: a pattern fits nothing, the robot is fixed and cannot have that goal, or the
+            folder cannot be written.
     """
-    text = proposal(robot, source.stem, free)
+    text = proposal(robot, source.stem, free, goal)
     try:
         out.mkdir(parents=True, exist_ok=True)
         for name, data in robot.assets.items():
@@ -72,11 +96,16 @@ def write_proposal(robot: Robot, source: Path, out: Path, free: Sequence[str] = 
     return out / TASK_FILE
 
 
-def proposal(robot: Robot, name: str, free: Sequence[str] = ()) -> str:
+def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | None = None) -> str:
     """Return the text of a task file for a robot; see `write_proposal`."""
     model = robot.spec().compile()
     motors = propose_motors(model)
     moves = bool(model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
+    if goal and not moves:
+        raise InputError(
+            f"--goal {goal} is for a robot that moves freely, and this one is fixed to the world: "
+            "leave --goal out, or give --base free"
+        )
     stated = any(body.explicitinertial for body in robot.spec().bodies)
     lines = [
         "# A task of RoboMoRe, made from a robot's file. Edit it as you like;",
@@ -84,17 +113,17 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = ()) -> str:
         *(f"# Note: {note}." for note in robot.notes[:_MOST_NOTES]),
         f"id = {_text(_identifier(name))}",
         f"title = {_text(name.replace('_', ' ').replace('-', ' ').title())}",
-        f'description = """{_description(model, moves)}"""',
+        f'description = """{_description(model, moves, goal)}"""',
         f"robot = {_text(ROBOT_FILE)}",
         "",
-        *(_goal(moves)),
+        *_goal(model, moves, goal),
         "",
         *(f"# {mode}: {meaning}." for mode, meaning in MASS_MODES.items()),
         f"mass = {_text('length' if stated else 'density')}",
         "",
         "control_hz = 50",
         "episode_seconds = 20",
-        *(["reach = 0.35  # fraction of each control range that actions use"] if moves else []),
+        *([_REACH] if moves and _has_servos(model, motors) else []),
         "",
     ]
     if home := propose_home(robot, model):
@@ -117,12 +146,19 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = ()) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _goal(moves: bool) -> list[str]:
-    reward = _WALKING if moves else _REACHING
-    return [
-        f"fitness = {_text('distance' if moves else 'target-reached')}",
-        f"reward = '''\n{reward}'''",
-    ]
+def _has_servos(model: mujoco.MjModel, motors: Sequence[MotorGroup]) -> bool:
+    """Return whether anything is held in a position, by the robot's own motors or proposed ones."""
+    own = model.actuator_biastype != mujoco.mjtBias.mjBIAS_NONE
+    return bool(own.any()) or any(group.kind == "servo" for group in motors)
+
+
+def _goal(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> list[str]:
+    fitness, reward = ("distance", _WALKING) if moves else ("target-reached", _REACHING)
+    if goal == "economy":
+        weight = float(model.body_mass.sum()) * 9.81
+        fitness = "transport-economy"
+        reward = _ECONOMY.replace("WATTS", str(float(f"{_COSTLY * weight:.2g}")))
+    return [f"fitness = {_text(fitness)}", f"reward = '''\n{reward}'''"]
 
 
 def _parameters(
@@ -183,7 +219,8 @@ def _chosen(found: dict[str, tuple[bool, list[str]]], free: Sequence[str]) -> li
             chosen += [name for name in fits if name not in chosen]
     if not chosen:
         raise InputError(
-            "no limb was found whose length or thickness could be free; give the links geoms"
+            "no limb was found whose length or thickness could be free; a limb is a link with a "
+            "geom that hangs from another link by a joint"
         )
     return [found[name][1] for name in chosen]
 
@@ -216,19 +253,21 @@ def _actuator(group: MotorGroup) -> list[str]:
     return [*lines, f"armature = {group.armature:g}", ""]
 
 
-def _description(model: mujoco.MjModel, moves: bool) -> str:
+def _description(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> str:
     links = groups(find_links(model), model)
     parts = [f"{len(group)} x {name}" if len(group) > 1 else name for name, group in links]
     joints = sum(int(kind) in SIMPLE_JOINTS for kind in model.jnt_type)
     base = "that moves freely" if moves else "whose base is fixed to the ground"
     feet = list(contact_names(model))
     ends = f" Its limbs end in {', '.join(feet)}." if feet else ""
-    goal = (
-        "The goal is to move forward, in the direction of +x, as far as possible."
+    said = (
+        "The goal is to move forward, in the direction of +x, with as little energy as possible."
+        if goal == "economy"
+        else "The goal is to move forward, in the direction of +x, as far as possible."
         if moves
         else "The goal is to bring the tip to the target and to hold it there."
     )
-    return f"A robot {base}, with {joints} joints. Its links are {', '.join(parts)}.{ends}\n{goal}"
+    return f"A robot {base}, with {joints} joints. Its links are {', '.join(parts)}.{ends}\n{said}"
 
 
 def _tip(model: mujoco.MjModel) -> str:

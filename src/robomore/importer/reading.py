@@ -54,6 +54,8 @@ def read_robot(path: Path, base: str | None = None) -> Robot:
         InputError: the file cannot be read, or holds no robot.
     """
     notes: list[str] = []
+    if not path.is_file():
+        raise InputError(f"there is no file {path}; name the robot's MJCF or URDF file")
     try:
         spec = _urdf(path) if path.suffix == ".urdf" else mujoco.MjSpec.from_file(str(path))
         root = _one_robot(spec, notes)

@@ -22,6 +22,7 @@ from robomore.importer.edits import MASS_MODES, Edit, MassMode, MotorGroup
 from robomore.importer.limbs import find_links
 from robomore.importer.reading import SIMPLE_JOINTS, Robot, read_robot
 from robomore.importer.strength import strength_of
+from robomore.importer.table_faults import explain
 from robomore.tasks.fitness import Fitness
 from robomore.tasks.portable import FitnessTerm, make_fitness
 from robomore.tasks.task import Parameter, Task
@@ -139,8 +140,7 @@ def read_task_file(path: Path) -> ReadTask:
 
 def _table(path: Path) -> TaskTable:
     try:
-        text = path.read_text(encoding="utf-8-sig")
-        return msgspec.convert(tomllib.loads(text), TaskTable)
+        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(
             f"{path} cannot be read ({error.strerror}); `robomore new ROBOT.xml` writes a task file"
@@ -151,8 +151,10 @@ def _table(path: Path) -> TaskTable:
         raise InputError(f"{path} is nested too deeply; write it out flat") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is no TOML: {error}; correct that line") from None
+    try:
+        return msgspec.convert(content, TaskTable)
     except msgspec.ValidationError as error:
-        raise InputError(f"{path}: {error}; docs/own-robot.md describes every line") from None
+        raise InputError(f"{path}: {explain(error, TaskTable, content)}; correct it") from None
 
 
 def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:

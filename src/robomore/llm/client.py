@@ -137,12 +137,13 @@ class PydanticAIModel:
     def _once(self, request: Request, structured: bool) -> ModelResponse:
         try:
             response = self._loop.run(
+                self._retry_policy.timeout,
                 model_request(
                     self._model,
                     _messages(request.messages),
                     model_settings=self._settings(request.sampling),
                     model_request_parameters=_parameters(request.schema if structured else None),
-                )
+                ),
             )
         except UserError as error:
             # The library knows in advance that this model takes no schema, or no pictures.
@@ -183,12 +184,17 @@ class _Loop:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._lock = threading.Lock()
 
-    def run(self, work: Coroutine[Any, Any, T]) -> T:
+    def run(self, seconds: float, work: Coroutine[Any, Any, T]) -> T:
+        """Return what `work` gives within so many seconds.
+
+        The client's own limit is for each piece of an answer. A server that sends one byte a second
+        never reaches it.
+        """
         with self._lock:
             if self._loop is None:
                 self._loop = asyncio.new_event_loop()
                 threading.Thread(target=self._loop.run_forever, name="llm", daemon=True).start()
-        future = asyncio.run_coroutine_threadsafe(work, self._loop)
+        future = asyncio.run_coroutine_threadsafe(asyncio.wait_for(work, seconds), self._loop)
         try:
             return future.result()
         except BaseException:

@@ -59,6 +59,8 @@ def translate(error: Exception, name: str, url: str, structured: bool, reached: 
                 f"no server answers at {url} ({_short(str(cause))}); start the server of {name}, "
                 "or correct --base-url (for ollama: OLLAMA_BASE_URL)"
             )
+    if isinstance(error, TimeoutError):
+        return TransientError(f"{name} did not answer in time")
     if not isinstance(error, ModelAPIError):
         return TransientError(_unreadable(error, name, url))
     match error:

@@ -51,13 +51,17 @@ def recorded(run: Run, key: str, name: str) -> bytes | None:
     That is where its file is damaged, or where the task was edited since.
     """
     # Only here is anything simulated: reading a run must not load the simulator.
+    import numpy as np
+
     from robomore.rendering.replay import packed_replay
 
     evaluation = run.evaluation(key)
     parameters = evaluation.design.morphology.parameters
     try:
         policy = run.load_policy(key)
-        return packed_replay(run.task, parameters, policy.act, name)
+        # A policy from elsewhere may act by numbers that overflow; its robot then just stands.
+        with np.errstate(all="ignore"):
+            return packed_replay(run.task, parameters, policy.act, name)
     except (InputError, InvalidMorphology, UnstableSimulation, ValueError) as error:
         _log.warning("%s cannot be shown in motion: %s", key, error)
         return None

@@ -7,20 +7,17 @@ finds is noticed before a training is spent on it.
 
 from __future__ import annotations
 
-import builtins
-import sys
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs.read_only import Bounds, ReadOnly
+from robomore.envs.random_state import global_random
 from robomore.envs.reward_program import RewardProgram
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidReward, UnstableSimulation
 from robomore.identity import derive_seed
-from robomore.rewards.rules import MODULES
 from robomore.tasks import Task
 
 NUM_ENVS = 2
@@ -56,12 +53,18 @@ def _check(task: Task, parameters: Sequence[float], reward: RewardProgram) -> No
 
     first = simulations()
     actions = random.uniform(-1, 1, (BEFORE + AFTER, NUM_ENVS, first.action_size))
-    outside = _outside(first)
+    drawn = global_random()
     first.reset(1)
     once = _rewards(first, actions[:BEFORE])
     saved = first.state()
     on = _rewards(first, actions[BEFORE:])
-    _compare_outside(outside, _outside(first))
+    if first.reward_runner is not None:
+        first.reward_runner.check()
+    if global_random() != drawn:
+        raise InvalidReward(
+            "changes `np.random`, which all simulations share and no checkpoint holds; draw from "
+            "`self.np_random`"
+        )
 
     second = simulations()
     second.restore(saved)
@@ -90,34 +93,3 @@ def _equal(one: dict[str, NDArray[Any]], other: dict[str, NDArray[Any]]) -> bool
         np.array_equal(one[name], other[name], equal_nan=one[name].dtype.kind == "f")
         for name in one
     )
-
-
-def _outside(simulations: VectorEnv) -> dict[str, int]:
-    """Return which objects the modules and classes hold that all rewards share."""
-    found = {}
-    modules = [sys.modules[name] for name in sorted(MODULES) if name in sys.modules]
-    holders: list[Any] = [builtins, *modules, np.random, *type(simulations.environment).__mro__]
-    holders += [ReadOnly, Bounds]
-    for holder in holders:
-        for name, value in vars(holder).items():
-            if not isinstance(value, type(np)):  # NumPy loads some of its modules late
-                found[f"{holder.__name__}.{name}"] = id(value)
-    # The generator that `np.random.rand` and its like draw from.
-    state: Any = np.random.get_state(legacy=False)  # noqa: NPY002
-    found["np.random"] = hash((state["state"]["key"].tobytes(), state["state"]["pos"]))
-    return found
-
-
-def _compare_outside(before: dict[str, int], after: dict[str, int]) -> None:
-    # A module that a reward imports in a call is new as a whole.
-    holders = {name.rpartition(".")[0] for name in before}
-    changed = [
-        name
-        for name in after
-        if before.get(name) != after[name] and name.rpartition(".")[0] in holders
-    ]
-    if changed:
-        raise InvalidReward(
-            f"changes `{changed[0]}`, which all simulations share and no checkpoint holds; keep "
-            "it in an attribute of `self`, and draw from `self.np_random`"
-        )

@@ -10,6 +10,7 @@ import logging
 import math
 import re
 import statistics
+import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -26,8 +27,10 @@ from robomore.identity import derive_seed
 from robomore.plain_files import scratch_folder
 from robomore.rewards.check import NAME, Finding
 from robomore.rewards.continuation import check_continuation
-from robomore.rewards.dry_run_findings import Observed, Term, findings, morphologies
+from robomore.rewards.dry_run_findings import Growth, Observed, Term, findings, morphologies
+from robomore.rewards.growth import amounts, growth
 from robomore.rewards.load import load_reward
+from robomore.rewards.silent import line_now, silent_findings
 from robomore.sandbox.call import Containment, run_sandboxed
 from robomore.tasks import Task
 from robomore.tasks.portable import task_content
@@ -127,7 +130,8 @@ class DryRun:
             return DryRunResult([_fault(said, source)])
         clean = {one_line(name)[:_LONGEST]: term for name, term in observed.terms.items()}
         observed = replace(observed, terms=clean)
-        return DryRunResult(findings(observed, _line(source)), observed)
+        found = [*findings(observed, _line(source)), *silent_findings(observed, source)]
+        return DryRunResult(found, observed)
 
 
 def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
@@ -156,11 +160,19 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
             env.reset(int(random.integers(2**31)))
             actions = np.zeros((NUM_ENVS, env.action_size))
             for step in range(STEPS):
+                if not number and step == STEPS // 2:
+                    halfway = amounts(env)
                 anew = [index for index, held in enumerate(_HELD) if step % held == 0]
                 actions[anew] = random.uniform(-1, 1, (len(anew), env.action_size))
                 record.rewards += env.step(actions).reward.tolist()
+            if not number:
+                record.over = True
+                record.growth = growth(env, halfway, STEPS)
+                record.over = False
         except UnstableSimulation:
             pass  # Not the reward's fault, and other morphologies move.
+        if env.reward_runner is not None:
+            record.missing |= env.reward_runner.missing.found
         report(number + 1)
     return msgspec.json.encode(record.observed())
 
@@ -173,14 +185,30 @@ class _Record:
     rewards: list[float] = field(default_factory=list)
     terms: dict[str, list[float]] = field(default_factory=dict)
     not_finite: dict[str, int] = field(default_factory=dict)
+    hidden: dict[str, int] = field(default_factory=dict)
+    missing: dict[str, str] = field(default_factory=dict)
+    growth: dict[str, Growth] = field(default_factory=dict)
+    over: bool = False
 
     def watch(self, function: RewardFunction) -> RewardFunction:
         """Return `function` with each call recorded."""
 
         def recorded(robot: Any, x_velocity: float, action: Any) -> Any:
-            began = time.thread_time()
-            result = function(robot, x_velocity, action)
-            self.seconds.append(time.thread_time() - began)
+            if self.over:
+                with np.errstate(all="ignore"):
+                    return function(robot, x_velocity, action)
+            faults: set[str] = set()
+
+            def note(kind: str, flag: int) -> None:
+                faults.add(f"{line_now(sys._getframe(1))} {kind}")
+
+            with np.errstate(divide="call", invalid="call", call=note):
+                began = time.thread_time()
+                result = function(robot, x_velocity, action)
+                self.seconds.append(time.thread_time() - began)
+            for fault in faults:
+                if fault in self.hidden or len(self.hidden) < _MOST_TERMS:
+                    self.hidden[fault] = self.hidden.get(fault, 0) + 1
             if type(result) is tuple and len(result) == 2 and isinstance(result[1], Mapping):
                 self._record(result[1])
             return result
@@ -215,7 +243,10 @@ class _Record:
             },
             mean=whole.mean,
             spread=whole.spread,
-            usual=float(np.median(np.abs(self.rewards))) if self.rewards else 0.0,
+            usual=statistics.median_low(map(abs, self.rewards)) if self.rewards else 0.0,
+            hidden=self.hidden,
+            missing=self.missing,
+            growth=self.growth,
         )
 
 

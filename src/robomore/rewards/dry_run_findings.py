@@ -52,6 +52,21 @@ class Term:
 
 
 @dataclass(frozen=True, slots=True)
+class Growth:
+    """Something that a reward keeps, and that was larger after each call.
+
+    Attributes:
+        calls: of the reward when it was looked at.
+        amounts: numbers, letters and objects in it then.
+        seconds: processor time of a call then.
+    """
+
+    calls: tuple[int, int]
+    amounts: tuple[int, int]
+    seconds: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Observed:
     """What was observed of a reward that raised nothing.
 
@@ -64,6 +79,10 @@ class Observed:
         mean: of the reward.
         spread: its standard deviation.
         usual: usual size of the reward (the median of its absolute values).
+        hidden: by line and kind of fault, as in `3 divide by zero`, calls in which NumPy met it and
+            the reward was finite all the same.
+        missing: by attribute that was looked for in vain, what was probably meant.
+        growth: by name of what is kept.
     """
 
     calls: int
@@ -74,6 +93,9 @@ class Observed:
     mean: float = 0.0
     spread: float = 0.0
     usual: float = 0.0
+    hidden: dict[str, int] = field(default_factory=dict)
+    missing: dict[str, str] = field(default_factory=dict)
+    growth: dict[str, Growth] = field(default_factory=dict)
 
 
 def findings(observed: Observed, line: int) -> list[Finding]:

@@ -5,21 +5,8 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 
+from robomore.envs.reward_modules import MODULES, STANDARD
 from robomore.rewards.finding import Finding
-
-_STANDARD = (
-    *("abc", "bisect", "cmath", "collections", "collections.abc", "copy", "dataclasses", "enum"),
-    *("functools", "heapq", "itertools", "math", "numbers", "operator", "statistics", "typing"),
-)
-"""Modules of the standard library that compute and do nothing else."""
-
-MODULES = frozenset(
-    (
-        *_STANDARD,
-        *("__future__", "numpy", "numpy.linalg", "numpy.fft", "numpy.typing", "numpy.polynomial"),
-    )
-)
-"""Modules that a reward can import."""
 
 _INSTEAD = {
     "random": "draw from `self.np_random`",
@@ -51,7 +38,7 @@ def _imports(node: ast.AST) -> Iterator[Finding]:
         if name not in MODULES:
             instead = _INSTEAD.get(
                 name.partition(".")[0],
-                f"a reward has numpy and, of the standard library, {', '.join(_STANDARD)}",
+                f"a reward has numpy and, of the standard library, {', '.join(STANDARD)}",
             )
             yield Finding(node.lineno, "error", f"cannot import `{name}`; {instead}")
 

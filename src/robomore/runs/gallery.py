@@ -16,11 +16,12 @@ import msgspec
 from robomore.errors import InputError
 from robomore.plain_files import PlainFolder, is_plain_name
 from robomore.runs.audits import audit_of
+from robomore.runs.loading import stored_task
 from robomore.runs.run import Run
 from robomore.store import RunFolder
 from robomore.store.audit import AUDIT, Audit, load_audit, save_audit
 from robomore.store.champion import check_sums, write_design, write_sums
-from robomore.tasks import Task, get_task
+from robomore.tasks import Task
 from robomore.text import to_json
 from robomore.training.policy import POLICY, MLPPolicy
 
@@ -120,7 +121,7 @@ def load_entry(folder: Path) -> Entry:
     check_sums(folder)
     try:
         facts = msgspec.json.decode(files.read(DESIGN, _MOST_BYTES), type=Facts)
-        task = get_task(facts.task)
+        task = stored_task(files, facts.task)
         task.check(facts.parameters)
         origin = audit = None
         if files.is_file(ORIGIN):
@@ -141,7 +142,9 @@ def load_gallery(folder: Path) -> list[Entry]:
         InputError: there is none, or one cannot be read.
     """
     files = PlainFolder(folder)
-    names = [name for name in files.names() if files.is_file(f"{name}/{DESIGN}")]
+    # Plain files may lie beside the champions.
+    folders = [name for name in files.names() if files.kind(name) == "folder"]
+    names = [name for name in folders if files.is_file(f"{name}/{DESIGN}")]
     if not names:
         raise InputError(f"{folder} is no gallery: no folder in it has a {DESIGN}")
     return [load_entry(folder / name) for name in sorted(names)]

@@ -18,10 +18,10 @@ from robomore.runs.trained import TrainedDesign, trained_design
 from robomore.runs.words import in_unit
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.store.rundir import TASK_CONTENT
-from robomore.tasks import Task, get_task
+from robomore.tasks import Task
 from robomore.tasks.fingerprint import fingerprint
-from robomore.tasks.portable import task_from_content
-from robomore.tasks.registry import remember
+from robomore.tasks.portable import MOST_CONTENT, task_from_content
+from robomore.tasks.registry import known_task, remember
 
 ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
 """Groups of the final, as a run's last event names them."""
@@ -91,8 +91,9 @@ def stored_task(files: PlainFolder, id: str) -> Task:
         InputError: there is none, or its content is damaged.
     """
     if files.is_file(TASK_CONTENT):
-        return remember(task_from_content(files.read(TASK_CONTENT), trusted=False))
-    return get_task(id)
+        content = files.read(TASK_CONTENT, MOST_CONTENT)
+        return remember(task_from_content(content, trusted=False))
+    return known_task(id)
 
 
 def _groups(

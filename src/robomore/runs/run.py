@@ -91,6 +91,12 @@ class Run:
     passed_over: tuple[str, ...] = ()
     focus: str = ""
 
+    def __repr__(self) -> str:
+        """Return one line: its numbers and texts have a place in reports."""
+        state = "finished" if self.final else "not finished"
+        count = len(self.evaluations)
+        return f"<Run of {self.task.id} in {str(self.folder)!r}: {state}, {count} evaluations>"
+
     # Numbers -------------------------------------------------------------------------------------
 
     @property

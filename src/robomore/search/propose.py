@@ -43,7 +43,8 @@ def filled(found: Sequence[T | ProposalFailed], kind: str) -> dict[int, T]:
     if not proposals:
         why = next((f"; for example, {one}" for one in found), "")
         raise NothingTrained(
-            f"nothing to train: the designer filled none of {len(found)} slots for a {kind}{why}"
+            f"nothing to train: the designer filled none of {len(found)} slots for a {kind}{why}; "
+            "with a language model, `robomore llm check` tells what it answers, or try another one"
         )
     return proposals
 

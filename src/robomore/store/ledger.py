@@ -104,9 +104,12 @@ class Ledger(Rows):
 
     def placed(self) -> list[tuple[Place, Evaluation]]:
         """Return every evaluation in each place it was asked for, in the order of asking."""
-        found = []
+        found: list[tuple[Place, Evaluation]] = []
+        known: dict[str, Evaluation | None] = {}
         for place, key, *_ in self._select("SELECT * FROM places ORDER BY seq"):
-            evaluation = self.evaluation(key)
+            if key not in known:
+                known[key] = self.evaluation(key)
+            evaluation = known[key]
             if evaluation is not None:
                 found.append((self._decode(place, Place), evaluation))
         return found

@@ -35,6 +35,9 @@ BESIDE = ("-wal", "-shm")
 """What SQLite keeps beside a file that is open, or whose process was killed."""
 
 
+_MOST_IN_A_ROW = 2**26
+"""Bytes of a row; longer ones count as damage. The longest are exchanges with pictures."""
+
 _MOST_BYTES = 2**34
 """Size of a ledger that is copied."""
 
@@ -123,6 +126,7 @@ def refuse_unsafe(path: Path, to_write: bool = False) -> None:
 def _connected(name: str, stack: ExitStack, uri: bool = False) -> sqlite3.Connection:
     db = sqlite3.connect(name, timeout=_PATIENCE_SECONDS, uri=uri, check_same_thread=False)
     stack.callback(db.close)
+    db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MOST_IN_A_ROW)
     return db
 
 

@@ -23,6 +23,11 @@ from robomore.text import one_line
 
 T = TypeVar("T")
 
+MOST_BYTES = 2**28
+"""Bytes that one query may read. The largest run known has 3 million in all its tables."""
+MOST_NUMBERS = 10**7
+"""Values that may be read from one ledger; each takes 32 bytes of memory and 2 of the file."""
+
 
 class Rows:
     """A connection to a ledger's file. May be used from several threads."""
@@ -40,6 +45,7 @@ class Rows:
         self._path = path
         self._lock = threading.RLock()
         self._open = ExitStack()
+        self._read = 0
         try:
             if read_only:
                 self._db = open_to_read(path, self._open)
@@ -87,6 +93,12 @@ class Rows:
         places = ", ".join("?" * len(row))
         self._execute(f"INSERT OR REPLACE INTO {table} VALUES ({places})", row)
 
+    def _too_large(self, limit: str) -> LedgerError:
+        return LedgerError(
+            f"the ledger {self._path} holds more than {limit}, which no run writes; do not use "
+            "this run folder"
+        )
+
     def _refuse_other(self, version: int) -> None:
         if version > SCHEMA:
             raise LedgerError(
@@ -124,6 +136,10 @@ class Rows:
             yield tuple(row)
 
     def _decode(self, body: bytes | str, kind: type[T]) -> T:
+        if isinstance(body, bytes | str):  # a damaged row can hold anything
+            self._read += body.count(b",") if isinstance(body, bytes) else body.count(",")
+        if self._read > MOST_NUMBERS:
+            raise self._too_large(f"{MOST_NUMBERS:,} values")
         try:
             return msgspec.json.decode(body, type=kind)
         except (ValueError, TypeError, RecursionError) as error:
@@ -132,7 +148,13 @@ class Rows:
     def _execute(self, query: str, values: tuple[Any, ...] = ()) -> list[Any]:
         try:
             with self._lock, self._db:
-                return self._db.execute(query, values).fetchall()
+                rows, size = [], 0
+                for row in self._db.execute(query, values):
+                    size += sum(len(one) for one in row if isinstance(one, bytes | str))
+                    if size > MOST_BYTES:
+                        raise self._too_large(f"{MOST_BYTES:,} bytes")
+                    rows.append(row)
+                return rows
         except BROKEN as error:
             raise self._failure(error) from None
 

@@ -12,12 +12,13 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 
 from robomore.errors import InputError
 from robomore.tasks.fitness import Fitness, Term
+from robomore.tasks.sizes import check_sizes
 from robomore.tasks.task import Parameter, Task, Values
 from robomore.tasks.trajectory import Trajectory
 
@@ -26,6 +27,18 @@ ENVIRONMENT = "robomore.envs.robots.own_robot:OwnRobotEnvironment"
 
 _MOST_ASSETS = 64 * 2**20
 """Bytes of meshes that a task may carry."""
+
+_MOST_OF_A_MESH = 16 * 2**20
+"""Bytes of one mesh. MuJoCo computes the convex hull of its points, which takes time."""
+
+_MOST_DATA = 4 * 2**20
+"""Bytes of everything else in a task."""
+
+_MOST_STEPS = 1_000_000
+"""Steps of MuJoCo in an episode: more than half an hour at a time step of 2 ms."""
+
+MOST_CONTENT = _MOST_ASSETS * 4 // 3 + 2 * _MOST_DATA
+"""Bytes of a whole task, in which meshes are written as text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +73,30 @@ class FitnessTerm:
     unit: str = ""
     meaning: str = ""
     foreign: bool = False
+
+
+class _Outline(msgspec.Struct):
+    """The field of a content that may be long, not read yet."""
+
+    assets: msgspec.Raw = msgspec.Raw()
+
+
+_Number = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+_Share = Annotated[float, msgspec.Meta(ge=0, le=100)]
+
+
+class _Options(msgspec.Struct, forbid_unknown_fields=True):
+    """The options of a robot's environment, each of which may be missing."""
+
+    frame_skip: int = 1
+    home: dict[str, _Number] = {}
+    upright: tuple[_Number, _Number, _Number, _Number] = (1.0, 0.0, 0.0, 0.0)
+    healthy_tilt: _Share | None = None
+    healthy_height: tuple[_Number, _Number] = (0.0, 1.0)
+    reset_noise: _Share = 0.0
+    reach: _Share = 1.0
+    sensors: tuple[str, ...] = ()
+    tip: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,14 +140,38 @@ def task_from_content(content: bytes, trusted: bool = True) -> Task:
         InputError: it is not such a content, or it asks for files that are not in it.
     """
     try:
+        # Before anything is made of it: a number takes two bytes here and 32 in memory.
+        meshes = len(bytes(msgspec.json.decode(content, type=_Outline).assets))
+        if len(content) > MOST_CONTENT or len(content) - meshes > _MOST_DATA:
+            raise InputError(
+                f"the content of a task has {len(content):,} bytes, {meshes:,} of them meshes; at "
+                f"most {_MOST_DATA:,} besides meshes are read"
+            )
         read = msgspec.json.decode(content, type=_Content)
     except (msgspec.DecodeError, RecursionError) as error:
         raise InputError(f"the content of a task is damaged: {error}") from None
+    if not re.fullmatch(r"[\w-][\w. -]{0,98}", read.id) or read.id.endswith(".toml"):
+        raise InputError(f"a task in a folder has the id {read.id[:80]!r}; it is no plain name")
+    _check_options(read)
     values = {one.name: getattr(read, one.name) for one in fields(_Content) if one.name != "unit"}
     values["options"] = FixedOptions(read.options)
     values["fitness"] = make_fitness(read.fitness, read.unit, trusted)
     refuse_files(read.id, read.template, read.assets)
     return Task(**values, environment=ENVIRONMENT)
+
+
+def _check_options(read: _Content) -> None:
+    """Refuse options that the environment does not have, or that nobody can wait for."""
+    try:
+        options = msgspec.convert(read.options, _Options)
+    except msgspec.ValidationError as error:
+        raise InputError(f"{read.id[:80]!r}: its options are none of a robot: {error}") from None
+    skipped, steps = options.frame_skip, read.episode_steps
+    if min(skipped, steps) < 1 or skipped * steps > _MOST_STEPS:
+        raise InputError(
+            f"{read.id[:80]!r}: an episode of {steps} control steps of {skipped} steps of MuJoCo "
+            f"each; at least 1 and at most {_MOST_STEPS:,} in all are simulated"
+        )
 
 
 def make_fitness(
@@ -179,6 +240,10 @@ def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:
     Raises:
         InputError: naming the file.
     """
+    for name, data in assets.items():
+        if len(data) > _MOST_OF_A_MESH:
+            most = _MOST_OF_A_MESH // 2**20
+            raise InputError(f"{id}: the mesh {name!r} has more than {most} MiB; use a simpler one")
     if sum(map(len, assets.values())) > _MOST_ASSETS:
         raise InputError(
             f"{id}: its meshes have more than {_MOST_ASSETS // 2**20} MiB; use simpler"
@@ -189,6 +254,7 @@ def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:
         root = ET.fromstring(template)
     except ET.ParseError as error:
         raise InputError(f"{id}: its template is no XML ({error})") from None
+    check_sizes(id, root)
     for part in root.iter():
         if part.tag in ("include", "extension", "plugin", "model"):
             raise InputError(f"{id}: its template holds <{part.tag}>, which reads other files")

@@ -38,6 +38,10 @@ _FROM_FILES: dict[str, Task] = {}
 """Tasks that were read from files in this process, by id."""
 
 
+_ROBOTS = (".xml", ".urdf", ".mjcf")
+"""Endings of robots' files."""
+
+
 def get_task(id: str) -> Task:
     """Return a task by its id, of a side study too (`robomore.tasks.variants`), or by its file.
 
@@ -46,13 +50,38 @@ def get_task(id: str) -> Task:
     Raises:
         InputError: there is no such task, or its file or the package that adds it is faulty.
     """
-    if id in _FROM_FILES:
-        return _FROM_FILES[id]
-    if not id.endswith(SUFFIX):
-        return VARIANTS.get(id) or TASKS.get(id)
+    if id in _FROM_FILES or not id.endswith(SUFFIX):
+        try:
+            return known_task(id)
+        except InputError:
+            if id.lower().endswith(_ROBOTS):
+                raise InputError(
+                    f"{id} is a robot; `robomore new {id}` makes a task of it"
+                ) from None
+            if _is_file(inside := Path(id) / f"task{SUFFIX}"):
+                raise InputError(f"{id} is a folder; name the task file, {inside}") from None
+            raise
     from robomore.importer.task_file import read_task
 
     return remember(read_task(Path(id)))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False  # no name that a file can have
+
+
+def known_task(id: str) -> Task:
+    """Return a task that is installed, or was read in this process: no id is taken for a path.
+
+    An id that stands in somebody else's folder must not name a file to be read and executed.
+
+    Raises:
+        InputError: there is no such task, or the package that adds it is faulty.
+    """
+    return _FROM_FILES.get(id) or VARIANTS.get(id) or TASKS.get(id)
 
 
 def carried_task(id: str, content: bytes) -> Task:

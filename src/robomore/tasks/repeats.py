@@ -21,6 +21,9 @@ _INDEX = re.compile(r'<repeat\b[^>]*\bindex="(\w+)"')
 
 _COUNT = re.compile(r'<repeat\b[^>]*\bcount="([^"]*)"')
 
+MOST_PARTS = 20_000
+"""Elements that all repeats of a template make together."""
+
 MOST = 64
 """Times that anything can be repeated."""
 
@@ -61,18 +64,21 @@ def _counted(template: str) -> tuple[str, ...]:
 @lru_cache(maxsize=256)
 def _expanded(template: str, counts: tuple[tuple[str, float], ...]) -> str:
     root = ET.fromstring(template)
-    _expand(root, dict(counts))
+    _expand(root, dict(counts), [0])
     return ET.tostring(root, encoding="unicode")
 
 
-def _expand(parent: ET.Element, values: Mapping[str, float]) -> None:
-    children = [made for child in parent for made in _made(child, values)]
+def _expand(parent: ET.Element, values: Mapping[str, float], made: list[int]) -> None:
+    children = [one for child in parent for one in _made(child, values, made)]
     parent[:] = children
     for child in parent:
-        _expand(child, values)
+        _expand(child, values, made)
 
 
-def _made(element: ET.Element, values: Mapping[str, float]) -> Iterator[ET.Element]:
+def _made(
+    element: ET.Element, values: Mapping[str, float], made: list[int]
+) -> Iterator[ET.Element]:
+    """Yield an element, or the content of one that repeats; `made` counts the copies."""
     if element.tag != REPEAT:
         yield element
         return
@@ -82,10 +88,13 @@ def _made(element: ET.Element, values: Mapping[str, float]) -> Iterator[ET.Eleme
         raise InvalidMorphology(f"{{{text}}} is {count}; at most {MOST} parts can be alike")
     for number in range(count):
         for child in element:
+            made[0] += sum(1 for _ in child.iter())
+            if made[0] > MOST_PARTS:
+                raise InvalidMorphology(f"the repeats make more than {MOST_PARTS:,} parts")
             copied = deepcopy(child)
             if index := element.get("index"):
                 _number(copied, index, number)
-            yield from _made(copied, values)
+            yield from _made(copied, values, made)
 
 
 def _number(element: ET.Element, index: str, number: int) -> None:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -237,12 +238,14 @@ class Task:
         if self.shapes is not None:
             return self.shapes(values)
         values = {**self.constants, **values}
-        return solids(expanded(self.template, values), values, self.mesh_volumes)
+        with self._arithmetic():
+            return solids(expanded(self.template, values), values, self.mesh_volumes)
 
     def mjcf(self, parameters: Sequence[float] | Mapping[str, float]) -> str:
         """Return the MJCF text of one morphology, without a terrain's elevations."""
         values = {**self.constants, **self.named(parameters)}
-        return fill(expanded(self.template, values), values)
+        with self._arithmetic():
+            return fill(expanded(self.template, values), values)
 
     @property
     def masked_mjcf(self) -> str:
@@ -251,6 +254,15 @@ class Task:
         text = fill(self.template, dict(self.constants), keep=kept)
         # How much a mesh is scaled tells how large it is in its file.
         return _MESH_SCALE.sub(r'\1 scale="follows the parameters"', text)
+
+    @contextmanager
+    def _arithmetic(self) -> Iterator[None]:
+        """Name what is wrong where the template has no value for some parameters."""
+        try:
+            yield
+        except (ArithmeticError, ValueError, TypeError, KeyError, RecursionError) as error:
+            said = f"its template has no value for these parameters ({str(error)[:200]})"
+            raise InvalidMorphology(f"{self.id}: {said}") from None
 
     def _in_order(self, parameters: Sequence[float] | Mapping[str, float]) -> tuple[float, ...]:
         if isinstance(parameters, Mapping):
@@ -275,7 +287,7 @@ class Task:
             )
         try:
             return tuple(float(value) for value in parameters)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise InvalidMorphology(f"{self.id}: a parameter is not a number ({error})") from None
 
 

@@ -76,8 +76,8 @@ def parse(expression: str) -> ast.expr:
     """
     try:
         return ast.parse(expression.strip(), mode="eval").body
-    except SyntaxError:
-        raise ValueError(f"{{{expression}}} in a template is no arithmetic") from None
+    except (SyntaxError, MemoryError, RecursionError):
+        raise ValueError(f"{{{expression[:80]}}} in a template is no arithmetic") from None
 
 
 def check_arithmetic(node: ast.expr) -> None:

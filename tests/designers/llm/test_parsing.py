@@ -125,6 +125,7 @@ def test_noise_never_breaks_the_parsers(noise: str) -> None:
 HOSTILE = ["[THINK]", "{", '{"', '"', "// ", "```\n", "<think>", "def f(", "import a\n"]
 MORE_HOSTILE = ["{'a':", '{"parameters":', "[", "'", "\\", "{#", " ", "\n", "`", "~~~\n"]
 MORE_HOSTILE += ["</think>", "class A:\n", "# ", '"""', "x = 1\n", "<think></thought>", '"\\']
+MORE_HOSTILE += ["\\boxed{", "> ", "> _get_rew\n", "&amp;", "&quot;parameters&quot;"]
 MORE_HOSTILE += ["[a][/a]", "<|channel|>analysis", "<|channel|>final", "<answer>", "/*", "``~"]
 MORE_HOSTILE += [
     "```thinking\n",

@@ -9,33 +9,25 @@ from __future__ import annotations
 import ast
 import json
 import re
-import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 from robomore.designers.llm.extraction import NotFound, cleared
+from robomore.designers.llm.fences import Block, blocks_of, blocks_within, dedented
 from robomore.designers.llm.thoughts import after_final_heading
+from robomore.designers.llm.wrappings import without_entities
 
 _MOST_BLOCKS = 20
 """Blocks of code that are looked at. An answer has a few, hostile text has thousands."""
 
-_OPENING = re.compile(r"(?<![`~])(?P<fence>`{3,}+|~{3,}+)[ \t]*(?P<info>[^`~]*)$")
-_LANGUAGE = re.compile(r"\{?\.?(?:python3?|py|json)\b")
 _LEFT_OUT = re.compile(
     r"#[ \t]*(?:\.{3}|…).{0,60}\b(?:rest|remain\w*|same|before|unchanged|previous|existing)\b", re.I
 )
-_BEGINS_CODE = re.compile(r"(?:def|import|from|class)\s|[@{]")
 _TAG = re.compile(r"</?(?:code|python|reward|function|reward_function|reward_code)>")
-_STRING = re.compile(
-    r"""\"{3}|'{3}|\#|"(?:\\.|[^"\\]){0,500}"|'(?:\\.|[^'\\]){0,500}'""",
-)
 _CODE_LINE = re.compile(
     r"(?:async\s+def|def|class)\s+\w+|(?:import|from)\s+[\w.]+|@\w|#|[A-Za-z_]\w*\s*(?::[^=]+)?=[^=]|"
     r'["\']{3}|[)\]}]|if\s+__name__|try:|except\b.*:'
 )
-
-Block = tuple[str, bool]
-"""The text between two fences, and whether the closing fence is there."""
 
 
 def find_code(text: str, wanted: str) -> tuple[str, bool]:
@@ -45,15 +37,30 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
     Raises:
         NotFound: there is no code, or a part of it, or there are several versions of it.
     """
-    code, closed = _found(text, wanted)
+    code, closed = _of_characters(text, wanted) or _found(text, wanted)
     if left_out := _LEFT_OUT.search(code):
         raise NotFound(f"the answer leaves out code (`{left_out[0]}`); answer with all of it")
     return code, closed
 
 
+def _of_characters(text: str, wanted: str) -> Block | None:
+    """Return the code in a text that writes `<` as `&lt;`, if it is one.
+
+    Such code can be valid Python by chance: `a &lt; b` is two statements.
+    """
+    plain = without_entities(text)
+    if plain == text:
+        return None
+    try:
+        block = _found(plain, wanted)
+    except NotFound:
+        return None
+    return block if _tree(block[0]) is not None else None
+
+
 def _found(text: str, wanted: str) -> tuple[str, bool]:
     text = _quoted(cleared(text, wanted), wanted)
-    blocks = _blocks(text)
+    blocks = [inner for block in blocks_of(text) for inner in blocks_within(block)]
     blocks = [inner for block in blocks for inner in _from_json(block, wanted)]
     if not blocks and "{" in text:
         whole = text[text.index("{") : text.rfind("}") + 1], True
@@ -61,7 +68,8 @@ def _found(text: str, wanted: str) -> tuple[str, bool]:
     defining = _defining(blocks, wanted)
     if len(defining) > 1:
         final = after_final_heading(text)
-        last = _defining(_blocks(final), wanted) if final is not None else []
+        blocks_after = [inner for block in blocks_of(final or "") for inner in blocks_within(block)]
+        last = _defining(blocks_after, wanted)
         if len(last) != 1:
             raise NotFound(
                 f"the answer holds {len(defining)} code blocks that define `{wanted}`; answer "
@@ -185,76 +193,6 @@ def _tree(code: str) -> ast.Module | None:
         return None
 
 
-def _blocks(text: str) -> list[Block]:
-    """Return the blocks of code between fences.
-
-    A fence within a string of three quotes is part of the code. A closing fence may also stand at
-    the end of the last line of code, and an opening one at the end of a line of prose.
-    """
-    found: list[Block] = []
-    block: list[str] = []
-    fence = quotes = ""
-    for line in text.split("\n"):
-        stripped = line.strip().strip("'\"")
-        if not fence:
-            opening = _opening(line.rstrip().rstrip("'\""))
-            if opening:
-                fence, first = opening
-                block = [first] if first else []
-                quotes = _open_quotes(first, "")
-            continue
-        before = quotes
-        body = line.rstrip()
-        if not before and stripped.startswith(fence) and not stripped.strip(fence[0]):
-            found.append((_dedented(block), True))
-            block, fence = [], ""
-            continue
-        if body.endswith(fence):
-            code = body.rstrip(fence[0])
-            if not _open_quotes(code, before):
-                found.append((_dedented([*block, code]), True))
-                block, fence = [], ""
-                continue
-        quotes = _open_quotes(line, before)
-        block.append(line)
-    return [*found, (_dedented(block), False)] if fence else found
-
-
-def _opening(line: str) -> tuple[str, str] | None:
-    """Return the fence that opens in `line`, and the code that follows it in the same line."""
-    found = _OPENING.search(line)
-    if found is None:
-        return None
-    info = found["info"].strip()
-    language = _LANGUAGE.match(info)
-    code = info[language.end() :].strip() if language else info
-    code = code if _BEGINS_CODE.match(code) else ""
-    prose = line[: found.start()].strip(" \t'\">*-.)0123456789")
-    # Prose may speak of a fence without opening one.
-    return None if prose and not language else (found["fence"], code)
-
-
-def _open_quotes(line: str, quotes: str) -> str:
-    """Return the three quotes within which `line` ends, if it begins within `quotes`."""
-    at = 0
-    while True:
-        if quotes:
-            end = line.find(quotes, at)
-            if end == -1:
-                return quotes
-            at, quotes = end + 3, ""
-        token = _STRING.search(line, at)
-        if token is None or token[0] == "#":
-            return ""
-        at = token.end()
-        if token[0] in ('"""', "'''"):
-            quotes = token[0]
-
-
-def _dedented(lines: Sequence[str]) -> str:
-    return textwrap.dedent("\n".join(lines)).strip("\n")
-
-
 def _quoted(text: str, wanted: str) -> str:
     """Return code that is the value of a JSON object or a Python string, or else `text`."""
     if text[0] in "{[":
@@ -273,7 +211,7 @@ def _from_json(block: Block, wanted: str) -> list[Block]:
     """Return the blocks of code in a block of JSON, or else the block itself."""
     code, closed = block
     value = _value(code.strip(), wanted) if code.lstrip()[:1] in ("{", "[") else None
-    return [block] if value is None else _blocks(value) or [(value, closed)]
+    return [block] if value is None else blocks_of(value) or [(value, closed)]
 
 
 def _value(text: str, wanted: str) -> str | None:
@@ -318,13 +256,13 @@ def _bare(text: str, wanted: str) -> str:
     margin = len(lines[start]) - len(lines[start].lstrip())
     while start > 0 and _is_code(lines[start - 1], margin) and lines[start - 1].strip():
         start -= 1
-    whole = _dedented(lines[start:])
+    whole = dedented(lines[start:])
     if _tree(whole) is not None:
         return whole
     end = start
     while end < len(lines) and _is_code(lines[end], margin):
         end += 1
-    return _dedented(lines[start:end])
+    return dedented(lines[start:end])
 
 
 def _is_code(line: str, margin: int) -> bool:

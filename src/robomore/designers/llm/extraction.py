@@ -12,13 +12,17 @@ import re
 from typing import Any
 
 from robomore.designers.llm.thoughts import after_final_heading, without_thoughts
+from robomore.designers.llm.wrappings import (
+    closing_brace,
+    unboxed,
+    without_entities,
+    without_quote,
+)
 
 LONGEST = 200_000
 """A longer answer is refused. No reasonable answer has so many characters."""
 _TRIES = 40
 """Opening braces that are tried. Prose has a few, hostile text has thousands."""
-_LONGEST_OBJECT = 20_000
-"""Characters within which an object must close."""
 _DEEPEST = 4
 """Objects around the wanted one that are looked into."""
 
@@ -38,8 +42,11 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
     Raises:
         NotFound: there is no such object, it is invalid, or several differ.
     """
-    text = cleared(text, wanted)
+    given, text = text, cleared(text, wanted)
     found, errors = _objects(text, wanted)
+    if not found and (plain := without_entities(given)) != given:
+        text = cleared(plain, wanted)
+        found, errors = _objects(text, wanted)
     if len(found) > 1:
         final = after_final_heading(text)
         last = _objects(final, wanted)[0] if final is not None else []
@@ -52,7 +59,7 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
 
 
 def cleared(text: str, wanted: str) -> str:
-    """Return `text` without thoughts and without invisible characters.
+    """Return `text` without thoughts, wrappings and invisible characters.
 
     Raises:
         NotFound: it is empty or too long.
@@ -60,7 +67,8 @@ def cleared(text: str, wanted: str) -> str:
     if len(text) > LONGEST:
         raise NotFound(f"the answer has {len(text):,} characters; answer with the design alone")
     text = _INVISIBLE.sub("", text.replace("\r\n", "\n").translate(_SPACES))
-    text = without_thoughts(text, wanted)
+    text = without_thoughts(without_quote(text, wanted), wanted)
+    text = unboxed(text, wanted)
     if not text:
         raise NotFound("the answer is empty")
     return text
@@ -73,7 +81,7 @@ def _objects(text: str, wanted: str) -> tuple[list[dict[str, Any]], list[str]]:
     at, tries = text.find("{"), 0
     while at != -1 and tries < _TRIES:
         tries += 1
-        end = _closing(text, at)
+        end = closing_brace(text, at)
         if end is None:
             if f'"{wanted}"' in text[at:]:
                 errors.append("the JSON object is not closed; the answer seems to be cut off")
@@ -89,36 +97,6 @@ def _objects(text: str, wanted: str) -> tuple[list[dict[str, Any]], list[str]]:
                 found.append(parsed)
         at = text.find("{", end)
     return found, errors
-
-
-def _closing(text: str, start: int) -> int | None:
-    """Return the end of the braces that open at `start`, with regard to strings and comments."""
-    depth, at, quote = 0, start, ""
-    while at < min(len(text), start + _LONGEST_OBJECT):
-        character = text[at]
-        if quote:
-            if character == "\\":
-                at += 1
-            elif character == quote:
-                quote = ""
-        elif character == '"':
-            quote = character
-        elif character == "#" or text.startswith("//", at):
-            at = text.find("\n", at)
-            if at == -1:
-                return None
-        elif text.startswith("/*", at):
-            at = text.find("*/", at) + 1
-            if at == 0:
-                return None
-        elif character == "{":
-            depth += 1
-        elif character == "}":
-            depth -= 1
-            if depth == 0:
-                return at + 1
-        at += 1
-    return None
 
 
 def _parsed(text: str) -> Any:

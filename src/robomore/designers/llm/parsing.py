@@ -9,6 +9,7 @@ from typing import Any
 
 from robomore.designers.llm.code_extraction import find_code
 from robomore.designers.llm.extraction import NotFound, find_object
+from robomore.designers.llm.quantities import NoNumber, read_parameters
 from robomore.errors import InvalidMorphology
 from robomore.rewards.check import NAME, Finding, check_reward
 from robomore.tasks.task import Task
@@ -18,7 +19,6 @@ RewardCheck = Callable[[str], Sequence[Finding]]
 """Returns what is wrong with the program text of a reward."""
 
 _LONGEST_IDEA = 200
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?")
 
 
 class InvalidReply(Exception):
@@ -36,7 +36,7 @@ def parse_morphology(
 
     Args:
         reply: JSON with `parameters` (by name, or a list in order) and `description`. Fences, prose
-            and comments around it are accepted.
+            and comments around it are accepted, and values with units that measure the same.
         task: the task, whose parameters, bounds and rules apply.
         taken: morphologies that must not be proposed again.
         truncated: whether the provider cut the reply off.
@@ -49,7 +49,9 @@ def parse_morphology(
     except NotFound as error:
         raise InvalidReply([*_truncation(truncated), str(error)]) from None
     try:
-        values = task.check(_numbers(found["parameters"]))
+        values = task.check(read_parameters(found, task))
+    except NoNumber as error:
+        raise InvalidReply([str(error)]) from None
     except InvalidMorphology as error:
         raise InvalidReply([str(error).removeprefix(f"{task.id}: ")]) from None
     _refuse_repeats("morphology", [_same(earlier.parameters, values) for earlier in taken])
@@ -104,31 +106,6 @@ def _refuse_repeats(kind: str, same: list[bool]) -> None:
 
 def _truncation(truncated: bool) -> list[str]:
     return ["the answer was cut off at the length limit; answer more briefly"] if truncated else []
-
-
-def _numbers(given: Any) -> Any:
-    """Return `given` with its values as numbers, or raise `InvalidReply`."""
-    if isinstance(given, dict):
-        return {str(name): _number(str(name), value) for name, value in given.items()}
-    if isinstance(given, list | tuple):
-        return [_number(f"number {i}", value) for i, value in enumerate(given, start=1)]
-    raise InvalidReply([f'"parameters" is {_shown(given)}; give an object by name, or a list'])
-
-
-def _number(name: str, value: Any) -> float:
-    if isinstance(value, str) and _NUMBER.fullmatch(value.strip()):
-        value = value.strip()
-    elif isinstance(value, bool) or not isinstance(value, int | float):
-        raise InvalidReply([f"{name} is {_shown(value)}; give a plain number"])
-    try:
-        return float(value)
-    except OverflowError:
-        raise InvalidReply([f"{name} is no finite number"]) from None
-
-
-def _shown(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:60] + "…"
 
 
 def _same(one: Sequence[float], other: Sequence[float]) -> bool:

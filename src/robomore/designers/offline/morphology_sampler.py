@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,14 @@ EXTRA_ROUNDS = 24
 """Rounds of evolution besides one for each parameter."""
 DISTANCE_WEIGHT = 1.5
 """Log efficiency that a doubled distance to the nearest earlier morphology is worth."""
+
+
+_MOST_POOLS = 8
+_making = threading.Lock()
+
+_pools: dict[tuple[int, int], tuple[Task, Array, Array]] = {}
+"""The latest pools, by the identity of their task, which is kept with them, and the seed. One takes
+seconds to make, and the runs of a study ask for the same ones."""
 
 
 class MorphologySampler:
@@ -61,9 +69,19 @@ class MorphologySampler:
         chosen = self._space.values(points[seen[np.argmax(values)]][None])[0]
         return Morphology(tuple(chosen.tolist()), self._describe(chosen))
 
-    @cached_property
+    @property
     def _pool(self) -> tuple[Array, Array]:
         """Points (n, size) and their expected log efficiency (n,)."""
+        key = id(self._task), self._seed
+        with _making:  # The runs of a study ask from several threads.
+            if key not in _pools:
+                if len(_pools) == _MOST_POOLS:
+                    del _pools[next(iter(_pools))]
+                _pools[key] = self._task, *self._evolved()
+            _, points, merits = _pools[key]
+        return points, merits
+
+    def _evolved(self) -> tuple[Array, Array]:
         random = np.random.default_rng(derive_seed(self._seed, "pool", self._task.id))
         points = self._scattered(random)
         merits = self._prior.log_efficiency(self._space.values(points))
@@ -76,6 +94,7 @@ class MorphologySampler:
             reached[valid] = self._prior.log_efficiency(values[valid])
             better = reached > merits
             points[better], merits[better] = children[better], reached[better]
+        points.flags.writeable = merits.flags.writeable = False
         return points, merits
 
     def _scattered(self, random: np.random.Generator) -> Array:

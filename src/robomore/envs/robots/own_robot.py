@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from robomore.envs.control_map import ControlMap
 from robomore.envs.rest_pose import rest_pose
 from robomore.envs.robots.base import Array, RobotEnvironment
+from robomore.errors import InputError
 
 _CONTACT = "contact_"
 _SIMPLE = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
@@ -93,6 +94,8 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
             if name.startswith(_CONTACT)
         }
         self._flags = np.array([start for start, _ in self._contacts.values()], dtype=np.intp)
+        if unknown := [name for name in sensors if name not in self._sensors]:
+            raise InputError(f"the robot has no sensor {unknown[0]!r}, which is to be observed")
         self._shown = np.array(
             [i for name in sensors for i in range(*self._sensors[name])], dtype=np.intp
         )

@@ -1,0 +1,45 @@
+"""Attributes that a reward looks for and that are not there: named, with what was probably meant.
+
+`getattr` with a default, `hasattr` and `except AttributeError` hide such a mistake from its author.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
+
+_MOST = 64
+_LONGEST = 80
+
+
+class MissingAttributes:
+    """What was looked for in vain.
+
+    Attributes:
+        found: by the path as a reward writes it, what was probably meant; empty if nothing is near.
+    """
+
+    def __init__(self) -> None:
+        self.found: dict[str, str] = {}
+
+    def error(
+        self, holder: str, name: str, kind: str, known: Callable[[], Iterable[str]]
+    ) -> AttributeError:
+        """Note that there is no such attribute, and return the error that says so.
+
+        Args:
+            holder: where it was looked for: `self`, `self.data` or `self.model`.
+            name: of the attribute.
+            kind: type of the object.
+            known: returns the attributes that are there; asked once for each name.
+        """
+        path = f"{holder}.{name}"[:_LONGEST]
+        if path not in self.found:
+            public = [one for one in known() if not one.startswith("__")]
+            near = get_close_matches(name[:_LONGEST], public, 1)
+            if len(self.found) < _MOST:
+                self.found[path] = near[0] if near else ""
+        else:
+            near = [self.found[path]] if self.found[path] else []
+        hint = f"; did you mean `{near[0]}`?" if near else ""
+        return AttributeError(f"'{kind}' object has no attribute {name!r}{hint}", name=name)

@@ -1,0 +1,40 @@
+"""What callers from Python hand over, refused before anything starts if it is of a wrong kind."""
+
+from __future__ import annotations
+
+import os
+from numbers import Integral
+
+from robomore.errors import InputError
+
+
+def ensure_usable(
+    seed: object, workers: object, budget_steps: object, time_limit: object, out: object
+) -> None:
+    """Refuse arguments of `robomore.run` that are of a wrong kind or out of range.
+
+    Raises:
+        InputError: naming the value, the range and the remedy.
+    """
+    ensure_whole("the seed", seed, 0)
+    if workers is not None:
+        ensure_whole("the number of workers", workers, 1)
+    if budget_steps is not None:
+        ensure_whole("the budget in control steps", budget_steps, 1)
+    if time_limit is not None and not (isinstance(time_limit, int | float) and time_limit > 0):
+        raise InputError(
+            f"the time limit is {time_limit!r}; give a positive number, in s (on the command line "
+            "also 90s, 30m or 2h)"
+        )
+    if out is not None and not isinstance(out, str | os.PathLike):
+        raise InputError(f"the run's folder is {out!r}; give its path as a text or a Path")
+
+
+def ensure_whole(what: str, value: object, least: int) -> None:
+    """Refuse what is no whole number from `least` up.
+
+    Raises:
+        InputError: naming `what` and its value.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+        raise InputError(f"{what} is {value!r}; give a whole number from {least} up")

@@ -1,0 +1,37 @@
+"""`new` and `check-task` say what was understood, before anything trains."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cli.commands import Command
+from dog import DOG, write_arm, write_dog
+
+
+def test_a_robot_that_moves_is_said_to_move(tmp_path: Path, robomore_: Command) -> None:
+    said = robomore_("new", write_dog(tmp_path), "--out", tmp_path / "dog")
+    assert said.status == 0 and "its base moves freely; its goal is `distance`" in said.words
+    task = tmp_path / "dog" / "task.toml"
+    assert "reach = 0.35" in task.read_text(), "servos learn small motions sooner"
+    assert "its base moves freely" in robomore_("check-task", task).words
+
+
+def test_a_forgotten_free_joint_is_told(tmp_path: Path, robomore_: Command) -> None:
+    said = robomore_("new", write_arm(tmp_path), "--base", "fixed", "--out", tmp_path / "arm").words
+    assert "its base is fixed to the world" in said and "its goal is `target-reached`" in said
+    assert "give its root a <freejoint/>" in said and "--base free" in said
+
+
+def test_motors_that_the_file_lacks_are_told_and_its_own_keep_their_torque(
+    tmp_path: Path, robomore_: Command
+) -> None:
+    head, _, tail = DOG.partition("<actuator>")
+    tail = tail.partition("</actuator>")[2]
+    without = write_dog(tmp_path, head + tail)
+    said = robomore_("new", without, "--out", tmp_path / "without").words
+    assert "added by the task file: a servo of" in said and "FL_hip" in said
+    motors = "".join(f'<motor joint="{leg}_hip" gear="30"/>' for leg in ("FL", "FR", "RL", "RR"))
+    own = write_dog(tmp_path, f"{head}<actuator>{motors}</actuator>{tail}")
+    said = robomore_("new", own, "--out", tmp_path / "own").words
+    assert "added by" not in said
+    assert "reach" not in (tmp_path / "own" / "task.toml").read_text()
