@@ -29,6 +29,7 @@ from robomore.types import TrainerSettings
 SAME: dict[str, Any] = {
     "net_arch": [128, 128],
     "batch_size": 128,
+    "n_critics": 2,
     "min_q_weight": 1.0,
     "n_steps": 1,
     "init_alpha": 1.0,

@@ -19,6 +19,7 @@ SETTINGS = CrossQSettings(
     learning_starts=128,
     batch_size=64,
     net_arch=(32, 32),
+    n_critics=2,
     gamma=0.9,
     # Next to no entropy in the values, so that they are the rewards' alone.
     init_alpha=1e-4,

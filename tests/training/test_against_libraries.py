@@ -88,6 +88,7 @@ def test_a_step_of_crossq_is_that_of_sbx(batch: dict[str, NDArray[np.float32]]) 
         batch_size=BATCH,
         gradient_steps=1,
         init_alpha=1e-40,
+        n_critics=2,
         min_q_weight=1.0,
     )
     trainer = CrossQ(settings)

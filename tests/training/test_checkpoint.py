@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,7 @@ from robomore.training.settings import make_trainer
 from robomore.training.trainer import Progress, Trainer, TrainingResult
 
 FULL = SETTINGS.buffer_size + 160
+HELD = replace(SETTINGS, max_noise_repeat=5)
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Training:
 @pytest.fixture(params=["crossq", "sac", "sb3"])
 def train(request: pytest.FixtureRequest) -> Training:
     if request.param == "crossq":
-        return Training(CrossQ(SETTINGS), SETTINGS.num_eval_checkpoints)
+        return Training(CrossQ(HELD), SETTINGS.num_eval_checkpoints)
     if request.param == "sac":
         return Training(SAC(SAC_SETTINGS), SAC_SETTINGS.num_eval_checkpoints)
     pytest.importorskip("stable_baselines3")

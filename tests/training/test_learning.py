@@ -19,6 +19,7 @@ from robomore.training.crossq import CrossQ
 from robomore.training.loop import TrainingRun
 from robomore.training.sac import SAC
 from robomore.training.settings import CrossQSettings, SACSettings
+from robomore.training.value_bins import expected_value
 
 
 @dataclass(frozen=True)
@@ -56,14 +57,16 @@ PLAIN = Algorithm(
 )
 
 
-ALGORITHMS = [CROSSQ, PLAIN]
+HISTOGRAMS = replace(CROSSQ, settings=replace(SETTINGS, num_bins=51, n_critics=1))
+
+ALGORITHMS = [CROSSQ, HISTOGRAMS, PLAIN]
 MAINLY_CROSSQ = pytest.mark.parametrize(
-    "algorithm", more_of(ALGORITHMS, CROSSQ), ids=["crossq", "sac"], indirect=True
+    "algorithm", more_of(ALGORITHMS, CROSSQ), ids=["crossq", "histograms", "sac"], indirect=True
 )
 """Where the value of a truncated episode, tried with both each time, would be wrong as well."""
 
 
-@pytest.fixture(params=ALGORITHMS, ids=["crossq", "sac"])
+@pytest.fixture(params=ALGORITHMS, ids=["crossq", "histograms", "sac"])
 def algorithm(request: pytest.FixtureRequest) -> Any:
     return request.param
 
@@ -94,8 +97,10 @@ def values(
     """Values that each critic gives one state and action, in units of the reward."""
     scale = run.buffer.scale
     inputs: Any = np.array([[*observation, action]], np.float32)
-    critics = algorithm.critics(run, (3, *algorithm.settings.net_arch, 1))
-    normalised = np.array([networks.apply(critic, inputs).item() for critic in critics])
+    bins = getattr(algorithm.settings, "num_bins", 0)
+    critics = algorithm.critics(run, (3, *algorithm.settings.net_arch, bins or 1))
+    outputs = [networks.apply(critic, inputs)[0] for critic in critics]
+    normalised = np.array([expected_value(out) if bins else out.item() for out in outputs])
     return normalised * scale.unit + scale.usual
 
 
@@ -133,7 +138,7 @@ def test_the_policy_picks_what_is_rewarded(algorithm: Algorithm) -> None:
         return -np.square(action[:, 0] - np.where(bit, wanted[1], wanted[0]))
 
     # The entropy is weighed against values on the scale that critics learn.
-    alpha = 1.0 if algorithm is CROSSQ else 0.1
+    alpha = 0.1 if algorithm is PLAIN else 1.0
     policy = trained(
         algorithm, ProbeEnv(reward, length=1), 6_000, alpha=alpha, policy_ema_fraction=0.3
     ).policies()[-1]

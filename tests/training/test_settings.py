@@ -42,6 +42,9 @@ def test_options_override_fields() -> None:
         ({"critic_lr": float("inf")}, "critic_lr"),
         ({"critic_lr": "fast"}, "critic_lr"),
         ({"policy_delay": True}, "policy_delay"),
+        ({"num_bins": 1}, "num_bins = 1.*at least 2"),
+        ({"num_bins": 51, "normalize_rewards": False}, "normalize_rewards=true"),
+        ({"min_q_weight": 0.5}, "n_critics=2"),
     ],
 )
 def test_what_makes_no_sense_is_refused(options: dict[str, Any], said: str) -> None:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from robomore.errors import TrainingDiverged
 from robomore.training.checkpoint import Checkpoint, checkpoint_of, save_checkpoint
 from robomore.training.curve import CurveRecorder
+from robomore.training.exploration_noise import ExplorationNoise
 from robomore.training.gaussian import explore
 from robomore.training.policy import MLPPolicy
 from robomore.training.replay_buffer import ReplayBuffer
@@ -77,8 +78,9 @@ class OffPolicyTrainer(ABC):
     def prepare(self, observation_size: int, action_size: int) -> None:
         """Compile for a robot; see `Trainer.prepare`."""
         shape = self.settings.gradient_steps, self.settings.batch_size
-        state, _ = self.begin(np.random.default_rng(0), observation_size, action_size)
-        rows = np.zeros((*shape, 2 * observation_size + action_size + 2), np.float32)
+        observed = _observed(self.settings, observation_size)
+        state, _ = self.begin(np.random.default_rng(0), observed, action_size)
+        rows = np.zeros((*shape, 2 * observed + action_size + 2), np.float32)
         noise = np.zeros((shape[0], 2, shape[1], action_size), np.float32)
         self.learn(state, rows, noise, done=0)
 
@@ -106,7 +108,7 @@ class TrainingRun:
         environment: TrainingEnv,
         seed: int,
     ) -> None:
-        sizes = environment.observation_size, environment.action_size
+        sizes = _observed(settings, environment.observation_size), environment.action_size
         self.algorithm = algorithm
         self.settings = settings
         self.environment = environment
@@ -117,7 +119,10 @@ class TrainingRun:
         self.earlier: list[Layers] = []  # policies put aside
         self.curve = CurveRecorder(environment.num_envs)
         self.num_deterministic = int(settings.deterministic_env_fraction * environment.num_envs)
+        longest = settings.max_noise_repeat
+        self.noise = ExplorationNoise(longest, environment.num_envs, environment.action_size)
         self.observation = environment.reset(seed)
+        self.observed = sizes[0]
         self.steps = 0
         self.updates = 0
         # A checkpoint is of this training if these agree; JSON, so that they compare as stored.
@@ -148,12 +153,12 @@ class TrainingRun:
         self.curve.note_round(self.steps, losses, self.environment)
 
     def _act(self) -> None:
-        shape = self.environment.num_envs, self.environment.action_size
         if self.updates:
-            noise = self.random.standard_normal(shape, np.float32)
+            noise = self.noise.draw(self.random)
             noise[: self.num_deterministic] = 0
-            action = explore(self.layers, self.observation, noise)
+            action = explore(self.layers, self.observation[:, : self.observed], noise)
         else:
+            shape = self.environment.num_envs, self.environment.action_size
             action = self.random.uniform(-1, 1, shape).astype(np.float32)
         transition = self.environment.step(action)
         self.buffer.add(self.observation, action, transition)
@@ -194,7 +199,8 @@ class TrainingRun:
 
     def policies(self) -> tuple[MLPPolicy, ...]:
         """Return deterministic policies, each an average over some rounds; the latest last."""
-        return tuple(deterministic(layers) for layers in (*self.earlier, self.average))
+        size = self.environment.observation_size
+        return tuple(deterministic(layers, size) for layers in (*self.earlier, self.average))
 
     def result(self) -> TrainingResult:
         """Return what the training has given so far."""
@@ -208,7 +214,7 @@ class TrainingRun:
             for i, (weight, bias) in enumerate(layers):
                 arrays |= {f"{name}_weight{i}": weight, f"{name}_bias{i}": bias}
         arrays["observation"] = self.observation
-        arrays |= self.buffer.state()
+        arrays |= self.buffer.state() | self.noise.state()
         facts = {
             "identity": self.identity,
             "steps": self.steps,
@@ -237,6 +243,7 @@ class TrainingRun:
         self.earlier = [stored(f"earlier{i}") for i in range(facts["earlier"])]
         self.observation = arrays["observation"]
         self.buffer.restore(arrays, facts["buffer_position"])
+        self.noise.restore(arrays)
         self.steps, self.updates = facts["steps"], facts["updates"]
         self.random.bit_generator.state = facts["random"]
         self.curve.restore(facts["curve"], arrays)
@@ -252,11 +259,24 @@ def _growths(steps: int) -> int:
     return int(math.log(steps) / math.log(CHECKPOINT_GROWTH))
 
 
-def deterministic(layers: Layers) -> MLPPolicy:
-    """Return the policy that acts by the Gaussian's mean."""
+def _observed(settings: LoopSettings, observation_size: int) -> int:
+    return min(settings.observed or observation_size, observation_size)
+
+
+def deterministic(layers: Layers, observation_size: int = 0) -> MLPPolicy:
+    """Return the policy that acts by the Gaussian's mean.
+
+    Args:
+        layers: of the stochastic policy.
+        observation_size: of what the policy will be given, if that is more than the networks see;
+            it ignores the rest.
+    """
     *inner, (weight, bias) = layers
     size = len(bias) // 2
     layers = [*inner, (weight[:, :size], bias[:size])]
+    first, bias = layers[0]
+    ignored = np.zeros((max(0, observation_size - len(first)), first.shape[1]), np.float32)
+    layers[0] = np.concatenate([first, ignored]), bias
     return MLPPolicy(
         tuple(np.array(weight) for weight, _ in layers),
         tuple(np.array(bias) for _, bias in layers),

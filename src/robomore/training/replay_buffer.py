@@ -48,7 +48,8 @@ class ReplayBuffer:
         """Add one control step of all environments.
 
         Args:
-            observation: (num_envs, observation_size), what was acted on.
+            observation: (num_envs, at least observation_size), what was acted on. Only its first
+                numbers are kept.
             action: (num_envs, action_size).
             transition: what came of it. A truncated episode goes on as far as values are
                 concerned, so only `terminated` is kept.
@@ -57,9 +58,9 @@ class ReplayBuffer:
         places = (self.position + np.arange(n)) % capacity
         ended = transition.terminated | transition.truncated
         parts = (
-            observation,
+            observation[:, : self._observation_size],
             action,
-            transition.final_observation,
+            transition.final_observation[:, : self._observation_size],
             np.zeros((n, 1)),
             transition.terminated[:, None],
         )

@@ -20,7 +20,6 @@ from robomore.training.trainer import Trainer
 from robomore.types import TrainerSettings
 
 Count = Annotated[int, msgspec.Meta(ge=1)]
-NotNegative = Annotated[int, msgspec.Meta(ge=0)]
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Fraction = Annotated[float, msgspec.Meta(ge=0, lt=1)]
 PositiveFraction = Annotated[float, msgspec.Meta(gt=0, le=1)]
@@ -70,6 +69,12 @@ class LoopSettings(OffPolicySettings):
     deterministic_env_fraction: Fraction = 0.0
     """Fraction of the environments that act without noise once learning has begun. The policy
     without noise is what is measured in the end, so its own mistakes are seen and unlearnt."""
+    observed: Count | None = None
+    """Numbers of an observation that the networks see, from its start; `None` for all. A policy
+    that is returned takes whole observations and ignores the rest."""
+    max_noise_repeat: Count = 1
+    """Control steps that one draw of the noise is held at most; 1 draws anew at every step
+    (`robomore.training.exploration_noise`)."""
     policy_ema_fraction: Fraction = 0.0
     """The policy that is returned is an exponential moving average over about this last fraction of
     the learning; 0 returns the last policy itself."""
@@ -88,15 +93,17 @@ class CrossQSettings(LoopSettings):
     buffer_size: Count = 1_000_000
     batch_size: Count = 128
     net_arch: tuple[Count, ...] = (128, 128)
+    n_critics: Count = 1
     init_alpha: Positive = 0.1
     episode_seconds: Positive | None = 5.0
     n_steps: Count = 3
     normalize_rewards: bool = True
     policy_ema_fraction: Fraction = 0.1
     num_eval_checkpoints: Count = 4
-    min_q_weight: Annotated[float, msgspec.Meta(ge=0, le=1)] = 0.0
-    """Weight of the critics' smallest value against their mean: 1 is the usual minimum."""
-    num_bins: NotNegative = 101
+    min_q_weight: Annotated[float, msgspec.Meta(ge=-1, le=1)] = 0.0
+    """Weight of the smallest of several critics' values against their mean: 1 is the usual minimum.
+    Below 0, what the critics disagree about counts as good and is tried."""
+    num_bins: Annotated[int, msgspec.Meta(ge=0, le=1000)] = 0
     """Ranges of values that a critic tells apart and learns by cross-entropy, which needs
     `normalize_rewards`; 0 for one value and squared errors (`robomore.training.value_bins`)."""
     actor_lr: Positive = 1e-3
@@ -121,6 +128,11 @@ class CrossQSettings(LoopSettings):
             raise InputError(
                 f"num_bins = {self.num_bins}: critics tell at least 2 ranges of values apart, of "
                 "rewards that are normalised; give normalize_rewards=true too, or num_bins=0"
+            )
+        if self.min_q_weight and self.n_critics == 1:
+            raise InputError(
+                f"min_q_weight = {self.min_q_weight:g} compares several critics, and n_critics is "
+                "1; give n_critics=2 too, or min_q_weight=0"
             )
 
 
