@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from robomore.envs.vector_env import VectorEnv
 from robomore.tasks import TASKS, get_task
 from robomore.training.settings import settings_from
 from robomore.training.tuned import resolve, tuned
@@ -44,8 +45,15 @@ def test_the_papers_algorithm_keeps_the_papers_settings(trainer: str, task: str)
 def test_explicit_options_win() -> None:
     asked = TrainerSettings("crossq", {"gamma": 0.9, "batch_size": 64})
     found = resolve(asked, get_task("ant"))
-    assert found.options == {"gamma": 0.9, "deterministic_env_fraction": 0.5, "batch_size": 64}
+    assert found.options == tuned("crossq", get_task("ant")) | {"gamma": 0.9, "batch_size": 64}
     assert resolve(found, get_task("ant")) == found
+
+
+def test_networks_of_ants_see_all_but_the_contact_forces() -> None:
+    environment = VectorEnv(get_task("ant"), get_task("ant").reference, 1)
+    forces = environment.model.nbody - 1
+    seen = settings_from(resolve(TrainerSettings("crossq"), get_task("ant"))).observed
+    assert seen == environment.observation_size - 6 * forces
 
 
 def test_a_task_of_ones_own_gets_the_options_of_the_robot_that_it_uses() -> None:
