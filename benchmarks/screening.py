@@ -1,9 +1,9 @@
 """Screening against a grid that was trained to the end: what it finds again, for which steps.
 
-    python benchmarks/screening.py                    # from the recorded numbers, in a second
+    python benchmarks/screening.py [--task half-cheetah]    # from recorded numbers, in a second
     python benchmarks/screening.py --record [--workers 2]    # what it lacks, an hour of one core
 
-The record is a grid that the offline designer proposed for one task: 25 morphologies and 5 rewards,
+The record is a grid that the offline designer proposed for a task: 25 morphologies and 5 rewards,
 each pair trained to the end and measured at every fifth of the way, and each morphology under the
 reference reward for the first fifth. The search's own screening then runs on these numbers in the
 place of training. To record the grid of today's designer, remove the CSV file first.
@@ -17,6 +17,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
+from scipy.stats import spearmanr
+
 from curves import Course, follow_all
 from robomore.designers import make_designer
 from robomore.events import Observer, ignore
@@ -25,9 +27,10 @@ from robomore.search.method import SearchContext
 from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.planning import COARSE
 from robomore.search.robomore.screening import screened
-from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.search.robomore.settings import RoboMoReSettings, Rung
 from robomore.settings import Budget, standard
 from robomore.tasks import get_task
+from robomore.tasks.task import Task
 from robomore.types import (
     Design,
     Evaluation,
@@ -40,8 +43,7 @@ from robomore.types import (
     finished,
 )
 
-TASK = "half-cheetah"
-RECORD = Path(__file__).parent / "data" / f"grid-{TASK}.csv"
+DATA = Path(__file__).parent / "data"
 STEPS = 100_000
 """Of every pair in the record."""
 PARTS = 5
@@ -51,14 +53,37 @@ GRID = RoboMoReSettings(reference_reward="out", screening="halving")
 """The grid that was recorded: five proposed rewards beside the reference reward."""
 
 
+def rungs(*pairs: tuple[float, float]) -> RoboMoReSettings:
+    """Return halving that keeps so much of the pairs after so much of the way."""
+    return replace(GRID, prefilter_fraction=0.0, rungs=tuple(Rung(*pair) for pair in pairs))
+
+
+WAYS = {
+    "halving (the default)": GRID,
+    "halving, all morphologies alike": replace(GRID, prefilter_fraction=0.0),
+    "fewer rewards for the worst, nothing else": replace(
+        GRID, rungs=(replace(GRID.rungs[0], keep_fraction=1.0),)
+    ),
+    "20 % keep 0.2, 40 % keep 0.08": rungs((0.2, 0.2), (0.4, 0.08)),
+    "20 % keep 0.3, 60 % keep 0.08": rungs((0.2, 0.3), (0.6, 0.08)),
+    "20 % keep 0.15": rungs((0.2, 0.15)),
+}
+"""Ways to screen, by name."""
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--task", default="half-cheetah")
     parser.add_argument("--record", action="store_true", help="train what the record lacks")
     parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
+    task, path = get_task(given.task), DATA / f"grid-{given.task}.csv"
     if given.record:
-        record(given.workers)
-    report(whole([row_of(line) for line in lines()]))
+        record(task, path, given.workers)
+    rows = whole([row_of(line) for line in lines(path)])
+    if not rows:
+        parser.error(f"{path} holds no whole morphology; record the grid with --record")
+    report(task, rows)
 
 
 @dataclass(frozen=True)
@@ -79,11 +104,11 @@ class Row:
     volume: float
 
 
-def lines() -> list[dict[str, str]]:
+def lines(path: Path) -> list[dict[str, str]]:
     """Return the record's lines by column, none if there is no record."""
-    if not RECORD.is_file():
+    if not path.is_file():
         return []
-    with RECORD.open() as file:
+    with path.open() as file:
         return list(csv.DictReader(file))
 
 
@@ -93,9 +118,8 @@ def row_of(line: dict[str, str]) -> Row:
     return Row(*place, float(line["fitness"]), float(line["volume"]))
 
 
-def context(observe: Observer = ignore) -> SearchContext:
+def context(task: Task, observe: Observer = ignore) -> SearchContext:
     """Return what the search knows of the run."""
-    task = get_task(TASK)
     reference = Design(Morphology(task.reference), Reward(task.reward))
     return SearchContext(
         task=task,
@@ -106,7 +130,7 @@ def context(observe: Observer = ignore) -> SearchContext:
     )
 
 
-def designs() -> list[Trial]:
+def designs(task: Task) -> list[Trial]:
     """Return the grid that the offline designer proposes."""
     asked: list[Trial] = []
 
@@ -115,22 +139,22 @@ def designs() -> list[Trial]:
         return []
 
     grid = replace(GRID, screening="none")
-    coarse(make_designer("offline", get_task(TASK), seed=0), note, grid, context())
+    coarse(make_designer("offline", task, seed=0), note, grid, context(task))
     return asked
 
 
-def record(workers: int) -> None:
+def record(task: Task, path: Path, workers: int) -> None:
     """Train what the record lacks of the grid, and write it down as it comes."""
-    task, trainer = get_task(TASK), standard().trainer
-    grid = designs()
+    trainer = standard().trainer
+    grid = designs(task)
     morphologies = {trial.place.index[0]: trial.design.morphology for trial in grid}
-    found = [row_of(line) for line in lines()]
+    found = [row_of(line) for line in lines(path)]
     known = {(row.morphology, row.reward) for row in found}
     wanted = [(number, REFERENCE, "") for number in morphologies]
     wanted += [(*trial.place.index, trial.design.reward.source) for trial in grid]
     courses = [
         Course(
-            TASK,
+            task.id,
             f"{number} {reward}",
             morphologies[number].parameters,
             seed=0,
@@ -143,14 +167,13 @@ def record(workers: int) -> None:
         for number, reward, source in wanted
         if (number, reward) not in known
     ]
-    RECORD.parent.mkdir(exist_ok=True)
     for count, marks in enumerate(follow_all(courses, workers, None), start=1):
         for fifth, mark in enumerate(marks, start=1):
             number, reward = map(int, mark.morphology.split())
             volume = task.volume(morphologies[number].parameters)
             found.append(Row(number, reward, fifth, mark.fitness, volume))
         print(f"\r{count} of {len(courses)} trainings", end="", flush=True)
-        with RECORD.open("w", newline="") as file:
+        with path.open("w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow([field.name for field in fields(Row)])
             for row in sorted(found, key=lambda row: (row.morphology, row.reward, row.fifth)):
@@ -171,26 +194,36 @@ def whole(rows: Sequence[Row]) -> list[Row]:
     return [row for row in rows if row.morphology in complete]
 
 
-def report(rows: Sequence[Row]) -> None:
-    """Print what each way of screening finds of the true best, and the steps it takes."""
+def report(task: Task, rows: Sequence[Row]) -> None:
+    """Print how well each look foretells the end, and what screening finds for which steps."""
     count = len({row.morphology for row in rows})
-    print(f"the best of {TASK}'s grid, {count} morphologies and all rewards, found by screening\n")
-    print(f"{'':<42}{'recall':>8}{'of':>4}{'share of steps':>16}{'best one kept':>15}")
-    ways = {
-        "halving (the default)": GRID,
-        "halving, all morphologies alike": replace(GRID, prefilter_fraction=0.0),
-        "fewer rewards for the worst, nothing else": replace(
-            GRID, rungs=(replace(GRID.rungs[0], keep_fraction=1.0),)
-        ),
-    }
-    for name, way in ways.items():
-        found, true, fraction = screen(rows, way)
+    print(f"the grid of {task.id}, {count} morphologies and {GRID.rewards} rewards, to its end\n")
+    for fifth in range(1, PARTS):
+        print(
+            f"rank correlation of efficiency at {fifth / PARTS:.0%} {foretold(rows, fifth):>8.2f}"
+        )
+    print(f"\n{'':<42}{'recall':>8}{'of':>4}{'share of steps':>16}{'best one kept':>15}")
+    for name, way in WAYS.items():
+        found, true, fraction = screen(task, rows, way)
         kept = "yes" if true[0] in found else "no"
         recall = len(set(found) & set(true)) / len(true)
         print(f"{name:<42}{recall:>8.2f}{len(true):>4}{fraction:>16.3f}{kept:>15}")
 
 
-def screen(rows: Sequence[Row], way: RoboMoReSettings) -> tuple[list[str], list[str], float]:
+def foretold(rows: Sequence[Row], fifth: int) -> float:
+    """Return Spearman's correlation of the pairs' efficiencies at a fifth and at the end."""
+    known = {(r.morphology, r.reward, r.fifth): r.fitness / r.volume for r in rows}
+    pairs = [
+        (known[morphology, reward, fifth], last)
+        for (morphology, reward, part), last in known.items()
+        if part == PARTS and (morphology, reward, fifth) in known
+    ]
+    return float(spearmanr(pairs).statistic)
+
+
+def screen(
+    task: Task, rows: Sequence[Row], way: RoboMoReSettings
+) -> tuple[list[str], list[str], float]:
     """Return keys of the best that screening finds, keys of the true best, and the steps' fraction.
 
     Raises:
@@ -215,21 +248,22 @@ def screen(rows: Sequence[Row], way: RoboMoReSettings) -> tuple[list[str], list[
             reward = column[0] if trial.place.stage == COARSE else REFERENCE
             key = f"{number}_{reward}"
             spent[key] = max(fifth, spent.get(key, 0))
-            found.append(evaluation(key, trial.design, known.get((number, reward, fifth)), fifth))
+            row = known.get((number, reward, fifth))
+            found.append(evaluation(task, key, trial.design, row, fifth))
         return found
 
-    objective = context().objective
+    objective = context(task).objective
     true = [e.key for e in top(evaluate(trials), way.survivors, objective)]
     spent.clear()
-    measured = screened(evaluate, trials, way, context())
+    measured = screened(evaluate, trials, way, context(task))
     best = top(finished(measured), way.survivors, objective, len(trials))
     return [e.key for e in best], true, sum(spent.values()) / (PARTS * len(trials))
 
 
-def evaluation(key: str, design: Design, row: Row | None, fifth: int) -> Evaluation:
+def evaluation(task: Task, key: str, design: Design, row: Row | None, fifth: int) -> Evaluation:
     """Return a record's row as the search would get it."""
     settings = standard()
-    job = Job(TASK, design, settings.trainer, steps=fifth, episodes=10, seed=0)
+    job = Job(task.id, design, settings.trainer, steps=fifth, episodes=10, seed=0)
     if row is None:
         return Evaluation(key, job, Status.TRAINING_DIVERGED, "training failed")
     efficiency = row.fitness / row.volume
