@@ -22,7 +22,7 @@ _TUNED: dict[str, dict[str, dict[str, Any]]] = {
             "observed": 27,
             "n_critics": 2,
             "min_q_weight": -0.5,
-            "num_bins": 51,
+            "num_bins": 101,
         },
         # Measured on one robot, Unitree's Go1 (docs/own-robot.md).
         "robomore.envs.robots.own_robot:OwnRobotEnvironment": {"deterministic_env_fraction": 0.5},
