@@ -16,6 +16,16 @@ MODULES = frozenset(
 )
 """All of them."""
 
+OUTSIDE = frozenset(
+    (
+        *("load", "save", "savez", "savez_compressed", "loadtxt", "savetxt", "genfromtxt"),
+        *("fromregex", "fromfile", "tofile", "memmap", "open_memmap", "DataSource"),
+        *("get_include", "show_config", "datetime64"),
+    )
+)
+"""Functions of NumPy that read files or the time. The text of a reward may not name them; when it
+runs, the sandbox is what keeps it from files."""
+
 SEEDED = frozenset(
     ("default_rng", "PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64", "SeedSequence")
 )
@@ -28,19 +38,10 @@ _REMEMBERS = (
     "in an attribute of `self`"
 )
 
+_SETTING = "it changes a setting of all simulations; a reward computes from numbers alone"
+
 _WITHHELD = {
-    "numpy": {
-        **dict.fromkeys(
-            (
-                *("load", "save", "savez", "savez_compressed", "loadtxt", "savetxt", "genfromtxt"),
-                *("fromregex", "fromfile", "tofile", "memmap", "open_memmap", "DataSource"),
-                *("ctypeslib", "f2py", "distutils", "lib", "core", "_core", "testing"),
-                *("get_include", "show_config", "seterr", "seterrcall", "setbufsize"),
-                *("set_printoptions", "datetime64"),
-            ),
-            "it reaches outside; a reward computes from numbers alone",
-        ),
-    },
+    "numpy": dict.fromkeys(("seterr", "seterrcall", "setbufsize", "set_printoptions"), _SETTING),
     "functools": dict.fromkeys(("cache", "lru_cache", "singledispatch"), _REMEMBERS)
     | {"singledispatchmethod": _REMEMBERS, "get_cache_token": _REMEMBERS},
     "typing": dict.fromkeys(("overload", "get_overloads", "clear_overloads"), _REMEMBERS),

@@ -8,7 +8,7 @@ from types import ModuleType
 from typing import Any
 
 from robomore.envs.reward_imports import NotOffered, offered_modules
-from robomore.envs.reward_modules import SEEDED
+from robomore.envs.reward_modules import OUTSIDE, SEEDED
 from robomore.rewards.finding import Finding
 from robomore.rewards.paths import path_of
 
@@ -72,6 +72,10 @@ def _look(node: ast.stmt | ast.expr, module: str, root: str, names: list[str]) -
         if value.__name__ == "numpy.random" and name in (*SEEDED, "Generator"):
             said = "a random reward makes training noisy; leave chance out"
             yield Finding(node.lineno, "warning", said)
+        if value.__name__ == "numpy" and name in OUTSIDE:
+            said = f"`{written}` reaches outside; a reward computes from numbers alone"
+            yield Finding(node.lineno, "error", said)
+            return
         try:
             value = getattr(value, name)
         except NotOffered as error:
