@@ -77,6 +77,15 @@ KEPT = {
         "@smooth\ndef speed(v):\n    return 2 * v",
         "k = speed(v)",
     ),
+    "default of a function in a type": reward(
+        "from typing import Annotated, get_args\n"
+        "A = Annotated[float, lambda v, m=[]: m.append(v) or sum(m)]",
+        "k = get_args(A)[1](v)",
+    ),
+    "class that only a type knows": reward(
+        "from typing import get_args\nclass C:\n    n = 0.0\nA = list[C]\ndel C",
+        "c = get_args(A)[0]\nc.n += v\nk = c.n",
+    ),
     "class attribute": reward("class S:\n    n = 0", "S.n += 1\nk = 1 / S.n"),
     "list in a class": reward("class S:\n    h = []", "S.h.append(v)\nk = sum(S.h[-2:])"),
     "new class attribute": reward("class S:\n    pass", "k = getattr(S, 'last', 0.0)\nS.last = v"),
@@ -368,6 +377,21 @@ REFUSED = {
         reward("", "self.data.body.n = v\nk = v"),
         "no attribute 'n'",
     ),
+    "setting of numpy": (
+        reward(
+            "def g():\n    with np.errstate(divide='raise'):\n        yield",
+            "if self.training_steps == 4:\n    box = [g()]\n    box.append(box)\n    next(box[0])\n"
+            "k = float(np.geterr()['divide'] == 'raise')",
+        ),
+        "changes `np.errstate`",
+    ),
+    "module of its own in a type": (
+        reward(
+            "from typing import Annotated, get_args\nA = Annotated[float, type(np)('m')]",
+            "m = get_args(A)[1]\nk = m.n = getattr(m, 'n', 0.0) + v",
+        ),
+        "`A`",
+    ),
     "memory of the simulation": (
         reward("", "self.data.userdata.base.obj[:] = v\nk = v"),
         "no attribute 'obj'",
@@ -537,6 +561,8 @@ class C:
     _abc_impl = 0
     def __init__(self):
         self.n = 0
+class Derived(C):
+    pass
 class M(type):
     n = 0
 class S(metaclass=M):
@@ -599,6 +625,11 @@ LATE_REFUSED = {
         "changes `numbers.Number`": ("Number.register(C)", "isinstance(C(), Number)"),
         "changes `Abstract`": ("Abstract.register(C)", "isinstance(C(), Abstract)"),
         "changes `Data`": ("dataclasses.fields(Data)[0].compare = v", "v"),
+        "Derived.__bases__": ("Derived.__bases__ = (Data,)", "v"),
+        "Abstract.__abstractmethods__": (
+            "Abstract.f = abc.abstractmethod(other); abc.update_abstractmethods(Abstract)",
+            "v",
+        ),
         "Polynomial.domain": ("domain[0] = v", "domain[0]"),
         "fmean.__wrapped__": ("functools.update_wrapper(fmean, other, assigned=())", "v"),
         "self.__class__": ("self.__class__ = type('R', (type(self),), {})", "v"),

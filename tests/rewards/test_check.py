@@ -79,6 +79,7 @@ def test_reference_rewards_pass(task: str) -> None:
             "`np.finfo._finfo_cache`: it is private",
         ),
         ("np.typecodes['x'] = 'y'\nreturn 0.0, {}", 2, "changes `np.typecodes`"),
+        ("from typing import List\nx = List[int]\nx._inst = 1\nreturn 0.0, {}", 4, "`._inst`"),
         ("g = getattr\nreturn 0.0, {}", 2, "`getattr`"),
         ("x = list(map(getattr, [self], ['x']))\nreturn 0.0, {}", 2, "`getattr`"),
         (

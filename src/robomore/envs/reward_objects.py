@@ -45,10 +45,7 @@ _SETS = (set, frozenset)
 _CONSTANTS = frozenset({"typing", "abc", "operator", "_operator"})
 """Modules whose objects never change, but for what they were given to hold."""
 
-_LEAVES = (
-    *(type, types.FunctionType, types.BuiltinFunctionType, types.ModuleType),
-    *(enum.Enum, np.ufunc, np.generic, np.dtype),
-)
+_LEAVES = (type, types.FunctionType, types.BuiltinFunctionType, enum.Enum, np.generic)
 """What a constant may refer to: functions and classes are fixed themselves, or of a module."""
 
 _VALUES = (complex, bytes, type(...), type(NotImplemented), type(threading.RLock()))
@@ -229,7 +226,7 @@ def _is_fixed(value: Any, instance: RewardInstance, in_class: bool) -> bool:
     if _is_typing(kind):
         return is_constant(value)
     if isinstance(value, _DESCRIPTORS):
-        return is_constant(attributes(value) or {})
+        return is_constant({**(attributes(value) or {}), **slots(value)})
     if kind in _SETS:
         # Objects are ordered by where they lie in memory, which is never the same.
         return all(type(one) in ATOMS for one in value)
@@ -257,7 +254,9 @@ def is_constant(value: Any) -> bool:
             continue
         seen.add(id(one))
         kind = type(one)
-        if kind in ATOMS or kind in _VALUES:
+        if kind in ATOMS or kind in _VALUES or address(one) is not None:
+            continue
+        if isinstance(one, np.dtype) and one.metadata is None:
             continue
         if kind not in _HOLDERS and not _is_typing(kind):
             return False
@@ -296,6 +295,8 @@ def inside(value: Any, instance: RewardInstance) -> Iterator[tuple[Any, bool]]:
         yield value.func, True
     elif isinstance(value, functools.partial):
         yield from ((one, False) for one in (value.func, *value.args, *value.keywords.values()))
+    elif _is_typing(kind):
+        yield from ((one, False) for one in gc.get_referents(value))
     elif value is not MISSING and not isinstance(value, np.ndarray | np.generic):
         yield from ((one, False) for one in _content(value))
         yield from ((one, False) for one in (attributes(value) or {}).values())

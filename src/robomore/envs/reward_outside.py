@@ -27,7 +27,7 @@ from robomore.envs.reward_program import MODULE
 _HEAP_TYPE = 1 << 9
 """Flag of classes that Python code made, and whose attributes can be set."""
 
-_LAZY = frozenset({"__annotations__", "__dict__", "__weakref__", "__abstractmethods__"})
+_LAZY = frozenset({"__annotations__", "__dict__", "__weakref__"})
 """Attributes of classes that Python makes when somebody asks for them."""
 
 _KNOWN = frozenset({MODULE, "builtins", *(name.partition(".")[0] for name in MODULES)})
@@ -62,6 +62,7 @@ class Outside:
         roots: list[tuple[str, Any]] = [("builtins", BUILTINS), *modules.items()]
         robots = [(kind.__name__, kind) for kind in (*robot.__mro__, ReadOnly, Bounds)]
         robots += [("self", one) for one in attributes if not isinstance(one, ReadOnly)]
+        self._settings = _settings()
         packages = {name.partition(".")[0] for name in (*modules, "gymnasium", "robomore")}
         self._seen = [*_walk([*roots, *robots], packages)]
         self._own = [
@@ -73,6 +74,8 @@ class Outside:
 
     def changed(self) -> str | None:
         """Return the name of something that has changed since, `None` if nothing has."""
+        if _settings() != self._settings:
+            return "np.errstate"
         for name, value, before in self._seen:
             if (part := _difference(before, _parts(value) or {})) is not None:
                 return f"{name}.{part}" if isinstance(part, str) else name
@@ -82,6 +85,11 @@ class Outside:
                 name = getattr(value, "__qualname__", getattr(value, "__name__", kind))
                 return f"{name}.{part}" if isinstance(part, str) else name
         return None
+
+
+def _settings() -> tuple[Any, ...]:
+    """Return NumPy's settings, which a `with` that a reward never leaves changes."""
+    return np.geterr(), np.geterrcall(), np.getbufsize(), np.get_printoptions()
 
 
 def _walk(roots: list[tuple[str, Any]], packages: set[str]) -> Iterator[tuple[str, Any, Parts]]:
@@ -200,7 +208,8 @@ def _own_parts(value: Any) -> Parts:
         for name, one in parts.get("__dataclass_fields__", {}).items():
             parts |= {(name, at): inner for at, inner in _in_slots(one).items()}
             parts |= {(name, at): inner for at, inner in (_parts(one.metadata) or {}).items()}
-        return {**parts, **_registered(value), "__name__": value.__name__}
+        own = {"__name__": value.__name__, "__bases__": value.__bases__}
+        return {**parts, **_registered(value), **own}
     if isinstance(value, enum.Enum):
         return {}
     if isinstance(value, types.FunctionType) and value.__module__ == MODULE:

@@ -120,6 +120,9 @@ def _attributes(node: ast.AST) -> Iterator[Finding]:
     read = isinstance(node.ctx, ast.Load)
     if read and name in _ABSENT and path_of(node) == ["self", name]:
         yield Finding(node.lineno, "error", _ABSENT[name])
+    if name in ("_inst", "_name") and not read and path_of(node)[:1] != ["self"]:
+        said = f"`.{name}` of a type from `typing` belongs to everybody; choose another name"
+        yield Finding(node.lineno, "error", said)
     if name == "bit_generator":
         yield Finding(node.lineno, "error", "`.bit_generator` is not for rewards; draw from it")
 
