@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -168,8 +169,10 @@ def test_the_check_lets_it_pass(place: str) -> None:
 def test_what_cannot_be_kept_is_refused(place: str) -> None:
     source, said = REFUSED[place]
     # What a reward does to NumPy's settings ends with the outer `with`.
-    with np.errstate(), pytest.raises((InvalidReward, RewardFailed)) as refused:
-        check_continuation(TASK, TASK.reference, load_reward(source))
+    with np.errstate():
+        with pytest.raises((InvalidReward, RewardFailed)) as refused:
+            check_continuation(TASK, TASK.reference, load_reward(source))
+        gc.collect()
     assert said in str(refused.value)
 
 
