@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -146,3 +147,13 @@ def test_a_budget_ends_the_search_and_not_the_final(robomore_: Command, tmp_path
     said = robomore_(*words, "--budget-steps", "4096", "--out", tmp_path / "run", "--json")
     assert said.status == 0, said.err
     assert said.json["final"] and said.json["cost"]["search_steps"] == 4_096
+
+
+def test_a_time_limit_in_which_nothing_was_trained_is_no_success(
+    finished: Path, robomore_: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nothing = dataclasses.replace(load_run(finished), champion=None, final=False)
+    monkeypatch.setattr(robomore.experiment, "run", lambda *given, **options: nothing)
+    said = robomore_("run", "swimmer", "--time-limit", "1s", "--quiet")
+    assert said.status == 1 and said.out == ""
+    assert "raise --time-limit" in said.err

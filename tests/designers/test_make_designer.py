@@ -18,7 +18,12 @@ def test_designers_are_made_by_name_and_say_that_no_llm_was_used(name: str) -> N
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("ofline", "Did you mean 'offline'"), ("llm", "needs --model"), ("replay", "needs --from")],
+    [
+        ("ofline", "Did you mean 'offline'"),
+        ("x", "offline, .*llm, replay"),
+        ("llm", "needs --model"),
+        ("replay", "needs --from"),
+    ],
 )
 def test_a_designer_that_cannot_be_made_is_refused_with_the_remedy(name: str, said: str) -> None:
     with pytest.raises(InputError, match=said):

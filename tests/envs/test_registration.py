@@ -152,3 +152,14 @@ def test_a_reward_reads_what_a_step_leaves_out_and_counts_steps() -> None:
     again = copy.deepcopy(env)
     assert np.abs(given).min() > 0 and env.unwrapped.data.energy[1] > 0
     assert env.unwrapped.training_steps == 5 and again.unwrapped.training_steps == 0
+
+
+def test_a_window_without_a_screen_is_an_error_and_no_abort(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sys.platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    shown = gymnasium.make("robomore/Hopper-v0", render_mode="human")
+    with pytest.raises(InputError, match="rgb_array"):
+        shown.reset()

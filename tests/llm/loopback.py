@@ -131,6 +131,10 @@ class _Handler(BaseHTTPRequestHandler):
     def too_long(self) -> None:
         self.fail(400, "maximum context length is 10 tokens", "context_length_exceeded")
 
+    def alternatives(self) -> None:
+        answer = self.answer("ready")
+        self.send(200, json.dumps(answer | {"choices": answer["choices"] * 50_000}))
+
     def page(self) -> None:
         self.send(200, "<!doctype html><html><body>please log in</body></html>", "text/html")
 

@@ -77,6 +77,15 @@ KEPT = {
         "@smooth\ndef speed(v):\n    return 2 * v",
         "k = speed(v)",
     ),
+    "default of a function in a type": reward(
+        "from typing import Annotated, get_args\n"
+        "A = Annotated[float, lambda v, m=[]: m.append(v) or sum(m)]",
+        "k = get_args(A)[1](v)",
+    ),
+    "class that only a type knows": reward(
+        "from typing import get_args\nclass C:\n    n = 0.0\nA = list[C]\ndel C",
+        "c = get_args(A)[0]\nc.n += v\nk = c.n",
+    ),
     "class attribute": reward("class S:\n    n = 0", "S.n += 1\nk = 1 / S.n"),
     "list in a class": reward("class S:\n    h = []", "S.h.append(v)\nk = sum(S.h[-2:])"),
     "new class attribute": reward("class S:\n    pass", "k = getattr(S, 'last', 0.0)\nS.last = v"),
@@ -292,10 +301,100 @@ REFUSED = {
         reward("", "m = np\nm.memory = getattr(np, 'memory', 0.0) + 1\nk = m.memory"),
         "changes `numpy.memory`",
     ),
-    "np.random": (reward("", "k = np.random.rand()"), "changes `np.random`"),
+    "np.random": (reward("", "k = np.random.rand()"), "it is one generator for everything"),
     "generator without a seed": (
         reward("R = np.random.default_rng()", "k = R.normal()"),
-        "a second time",
+        "needs a seed",
+    ),
+    "table of numpy": (
+        reward("", "np.typecodes[v] = 1\nk = float(len(np.typecodes))"),
+        "does not support item assignment",
+    ),
+    "Python's global generator": (
+        reward("import statistics", "k = statistics.random.random()"),
+        "cannot use `statistics.random`",
+    ),
+    "Python's global generator in a distribution": (
+        reward("from statistics import NormalDist", "k = NormalDist().samples(1)[0]"),
+        "needs a `seed`",
+    ),
+    "overloads": (
+        reward("import typing", "typing.overload(_get_rew)\nk = v"),
+        "cannot use `typing.overload`",
+    ),
+    "list in a type": (
+        reward(
+            "from typing import Annotated, get_args\nA = Annotated[float, []]",
+            "get_args(A)[1].append(v)\nk = sum(get_args(A)[1])",
+        ),
+        "`A`",
+    ),
+    "list in a call of a method": (
+        reward(
+            "import operator\nclass B:\n    def use(self, it): return it\n"
+            "M = operator.methodcaller('use', [])",
+            "M(B()).append(v)\nk = sum(M(B()))",
+        ),
+        "`M`",
+    ),
+    "metadata of a field": (
+        reward(
+            "import dataclasses as dc\n@dc.dataclass\nclass S:\n"
+            "    a: float = dc.field(default=0.0, metadata={'h': []})",
+            "h = dc.fields(S)[0].metadata['h']\nh.append(v)\nk = sum(h)",
+        ),
+        "`S.a` has metadata",
+    ),
+    "metadata of a dtype": (
+        reward(
+            "D = np.dtype(float, metadata={'h': []})",
+            "D.metadata['h'].append(v)\nk = sum(D.metadata['h'])",
+        ),
+        "a dtype with metadata",
+    ),
+    "list of a static method": (
+        reward("m = staticmethod(max)\nm.h = []", "m.h.append(v)\nk = sum(m.h)"),
+        "`m`",
+    ),
+    "list of a type variable": (
+        reward(
+            "from typing import TypeVar\nT = TypeVar('T')\nT.h = []", "T.h.append(v)\nk = sum(T.h)"
+        ),
+        "`T`",
+    ),
+    "attribute of a subclass of a number": (
+        reward("class F(np.float64):\n    pass\nx = F(1)\nx.h = []", "x.h.append(v)\nk = sum(x.h)"),
+        "`x`",
+    ),
+    "attribute of the simulation": (
+        reward(
+            "from operator import attrgetter",
+            "d = attrgetter('__dict__')(self.data)\nd['n'] = k = d.get('n', 0.0) + v",
+        ),
+        "cannot read `__dict__`",
+    ),
+    "attribute of a function of the simulation": (
+        reward("", "self.data.body.n = v\nk = v"),
+        "no attribute 'n'",
+    ),
+    "setting of numpy": (
+        reward(
+            "def g():\n    with np.errstate(divide='raise'):\n        yield",
+            "if self.training_steps == 4:\n    box = [g()]\n    box.append(box)\n    next(box[0])\n"
+            "k = float(np.geterr()['divide'] == 'raise')",
+        ),
+        "changes `np.errstate`",
+    ),
+    "module of its own in a type": (
+        reward(
+            "from typing import Annotated, get_args\nA = Annotated[float, type(np)('m')]",
+            "m = get_args(A)[1]\nk = m.n = getattr(m, 'n', 0.0) + v",
+        ),
+        "`A`",
+    ),
+    "memory of the simulation": (
+        reward("", "self.data.userdata.base.obj[:] = v\nk = v"),
+        "no attribute 'obj'",
     ),
     "address": (
         reward("", "k = float(id(object()) % 1000003) + id(self) % 999983"),
@@ -447,8 +546,11 @@ CONSTANTS = reward(
 
 _LATE = "if self.training_steps > 56:\n    "
 _BUMP = """
+import abc, dataclasses
 from collections import Counter, namedtuple
 from enum import Enum
+from numbers import Number
+from statistics import fmean
 from typing import TypeVar
 import functools
 def bump(c):
@@ -459,6 +561,8 @@ class C:
     _abc_impl = 0
     def __init__(self):
         self.n = 0
+class Derived(C):
+    pass
 class M(type):
     n = 0
 class S(metaclass=M):
@@ -470,6 +574,12 @@ class S(metaclass=M):
         cls.n += 1
 def other(self):
     self.n = 5
+class Abstract(abc.ABC):
+    pass
+@dataclasses.dataclass
+class Data:
+    n: float = 0.0
+domain = np.polynomial.Polynomial.domain
 T = TypeVar("T")
 N = namedtuple("N", "a b")
 f = functools.partial(max, 1)
@@ -512,6 +622,17 @@ LATE_REFUSED = {
         "other.__name__": ("other.__name__ += 'x'", "len(other.__name__)"),
         "C.__init__": ("C.__init__ = other", "C().n"),
         "changes `E`": ("E._value2member_map_[7] = v", "E._value2member_map_.get(7, 0)"),
+        "changes `numbers.Number`": ("Number.register(C)", "isinstance(C(), Number)"),
+        "changes `Abstract`": ("Abstract.register(C)", "isinstance(C(), Abstract)"),
+        "changes `Data`": ("dataclasses.fields(Data)[0].compare = v", "v"),
+        "Derived.__bases__": ("Derived.__bases__ = (Data,)", "v"),
+        "Abstract.__abstractmethods__": (
+            "Abstract.f = abc.abstractmethod(other); abc.update_abstractmethods(Abstract)",
+            "v",
+        ),
+        "Polynomial.domain": ("domain[0] = v", "domain[0]"),
+        "fmean.__wrapped__": ("functools.update_wrapper(fmean, other, assigned=())", "v"),
+        "self.__class__": ("self.__class__ = type('R', (type(self),), {})", "v"),
         "self.np_random": ("self.np_random.spawn(1)", "v"),
         "`R`": ("R.spawn(1)", "v"),
     }.items()

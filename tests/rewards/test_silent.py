@@ -101,7 +101,7 @@ def test_the_largest_numbers_have_a_median() -> None:
         "    return r, {'r': r}\n"
     )
     with np.errstate(all="ignore"):
-        (size, *_) = findings(observed(source), 1)
+        (size, *_) = findings(observed(source), source)
     assert "e+308" in size.message and "too large to learn from" in size.message
 
 

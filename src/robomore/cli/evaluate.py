@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import msgspec
 from cyclopts import Parameter
 
+from robomore.cli.completion import PRESET, TASK
 from robomore.cli.inputs import (
     new_folder,
     positive,
@@ -27,12 +29,12 @@ if TYPE_CHECKING:
 
 
 def evaluate(
-    task: str,
+    task: Annotated[str, TASK],
     /,
     *,
     parameters: str = "reference",
     reward: str = "reference",
-    preset: str = "quick",
+    preset: Annotated[str, PRESET] = "quick",
     steps: Whole | None = None,
     trainer: str | None = None,
     trainer_option: Annotated[list[str] | None, Parameter(negative="")] = None,
@@ -111,6 +113,8 @@ def evaluate(
         write_json({**{k: v for k, v in data.items() if k != "job"}, "job": data["job"]})
     else:
         _print(evaluation, chosen.goal)
+        if out is not None and evaluation.ok:
+            write(f"written     {out} (watch: robomore play {quote(str(out))})\n")
     return 0 if evaluation.ok else 1
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from robomore.cli.completion import TASK
 from robomore.cli.output import write, write_json
 from robomore.cli.run_options import DEFAULT_PRESET
 from robomore.cli.whole import Whole
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def prompt(
-    task: str,
+    task: Annotated[str, TASK],
     kind: Literal["morphology", "reward", "improve-morphology", "improve-reward"],
     /,
     *,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group, Parameter
 
+from robomore.cli.completion import TASK
 from robomore.cli.inputs import read_start, seed_number
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen, forecast
 from robomore.cli.output import tell, write, write_json
@@ -19,7 +20,7 @@ _OUTPUT = Group("Output", sort_key=8)
 
 
 def run(
-    task: str,
+    task: Annotated[str, TASK],
     /,
     *,
     seed: Whole = 0,
@@ -34,10 +35,11 @@ def run(
     tracker: Annotated[list[str] | None, Parameter(negative="", group=_OUTPUT)] = None,
     quiet: Annotated[bool, Parameter(negative="", group=_OUTPUT)] = False,
     as_json: Annotated[bool, Parameter("--json", negative="", group=_OUTPUT)] = False,
-) -> None:
+) -> int:
     """Search for the best morphology and reward for a task.
 
-    The same command again finishes a run that was stopped.
+    The same command again finishes a run that was stopped. Exits with status 1 if a time limit was
+    over before anything was trained.
 
     Parameters
     ----------
@@ -104,9 +106,16 @@ def run(
         from robomore.report import as_data
 
         write_json(as_data(found))
-        return
-    from robomore.cli.show import print_outcome
+    elif found.champion is not None:
+        from robomore.cli.show import print_outcome
 
-    print_outcome(found)
-    if not found.final:
-        write("\nThe time limit is over. The same command goes on from here.\n")
+        print_outcome(found)
+        if not found.final:
+            write("\nThe time limit is over. The same command goes on from here.\n")
+    if found.champion is None:
+        tell(
+            "robomore: the time limit was over before anything was trained; raise --time-limit, "
+            "or give the same command again, which goes on from here\n"
+        )
+        return 1
+    return 0

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
+from robomore.cli.completion import METHOD, PRESET
 from robomore.cli.inputs import positive, read_bytes, read_duration, read_options
 from robomore.cli.whole import Whole
 from robomore.errors import InputError
@@ -63,8 +64,8 @@ class Search:
         best so far, and the same command goes on later.
     """
 
-    preset: str = DEFAULT_PRESET
-    method: str | None = None
+    preset: Annotated[str, PRESET] = DEFAULT_PRESET
+    method: Annotated[str | None, METHOD] = None
     method_option: Pairs = None
     reference_reward: Literal["in", "out"] | None = None
     objective: Literal["efficiency", "fitness", "transport-economy"] | None = None

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from robomore.cli.completion import TASK
 from robomore.cli.output import console, write_json
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def doctor(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False
 
 
 def check_reward(
-    task: str,
+    task: Annotated[str, TASK],
     file: Path,
     /,
     *,

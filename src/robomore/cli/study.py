@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group, Parameter
 
+from robomore.cli.completion import PRESET, TASK
 from robomore.cli.inputs import positive
 from robomore.cli.llm import ModelOptions, ReplayOptions, chosen
 from robomore.cli.output import console, tell, write
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 def study(
     name: str | None = None,
     /,
-    *tasks: str,
-    preset: str = "quick",
+    *tasks: Annotated[str, TASK],
+    preset: Annotated[str, PRESET] = "quick",
     seeds: Whole | None = None,
     arm: Annotated[list[str] | None, Parameter(negative="")] = None,
     designer: Annotated[str | None, Parameter(group=Group("Designer", sort_key=4))] = None,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from cyclopts import Parameter
 
+from robomore.cli.completion import TASK
 from robomore.cli.inputs import read_parameters
 from robomore.cli.output import write, write_json
 
@@ -45,7 +46,7 @@ def tasks(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False)
 
 
 def inspect(
-    task: str,
+    task: Annotated[str, TASK],
     /,
     *,
     parameters: str = "reference",
@@ -164,13 +165,13 @@ def _print_morphology(
     task: Task, values: tuple[float, ...], facts: dict[str, float], union: float | None
 ) -> None:
     from rich.table import Table
+    from rich.text import Text
 
     from robomore.cli.output import console
     from robomore.runs.words import number
 
     screen = console()
-    screen.print(task.title, style="bold", end="")
-    screen.print(f"  {task.description}\n")
+    screen.print(Text.assemble((task.title, "bold"), f"  {task.description}\n"))
     if screen.is_terminal:
         _print_picture(task, values)
     table = Table(box=None, pad_edge=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -98,4 +99,9 @@ def make_designer(name: str, task: Task, seed: int, objective: str = "efficiency
     """
     if name in _WITH_SETTINGS:
         raise InputError(f"the designer {name!r} needs {_WITH_SETTINGS[name]}")
+    if name not in DESIGNERS:
+        names = (*DESIGNERS, *_WITH_SETTINGS)
+        near = get_close_matches(name, names, n=1)
+        hint = f" Did you mean {near[0]!r}?" if near else ""
+        raise InputError(f"no designer is called {name!r}.{hint} Choose one of {', '.join(names)}")
     return DESIGNERS.get(name)(task, seed, objective)

@@ -46,6 +46,19 @@ def ensure_opengl() -> None:
     os.environ[PLATFORM] = platform
 
 
+def ensure_screen() -> None:
+    """Make sure that a window can be shown. Without a screen, GLFW would end the process.
+
+    Raises:
+        InputError: this is Linux, and no screen is named in the environment.
+    """
+    if sys.platform == "linux" and not _has_screen():
+        raise InputError(
+            'render_mode="human" needs a screen, and neither DISPLAY nor WAYLAND_DISPLAY is set; '
+            'use render_mode="rgb_array", which returns pictures'
+        )
+
+
 def offscreen_platform() -> str | None:
     """Return the platform that renders without a screen, the one that was asked for if any.
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,9 +38,3 @@ def set_generator_state(generator: np.random.Generator, words: NDArray[np.uint64
 def has_spawned(generator: np.random.Generator) -> bool:
     """Whether `Generator.spawn` was called, which no state of a generator tells."""
     return getattr(generator.bit_generator.seed_seq, "n_children_spawned", 0) > 0
-
-
-def global_random() -> tuple[bytes, int]:
-    """Return the state of the generator that `np.random.rand` and its like draw from."""
-    state: Any = np.random.get_state(legacy=False)["state"]  # noqa: NPY002
-    return state["key"].tobytes(), state["pos"]

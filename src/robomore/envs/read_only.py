@@ -4,24 +4,89 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from types import MappingProxyType
+from types import MethodType
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
 
 from robomore.envs.data_fields import ON_REQUEST, REFUSED, refusal
+from robomore.envs.frozen import frozen, frozen_array
 from robomore.envs.missing import MissingAttributes
 
 _PLAIN = frozenset({bool, int, float, str, bytes, tuple, type(None)})
 """Types of values that can be handed out as they are."""
 
 
-class ReadOnly:
+class _Source:
+    """What stands behind a `ReadOnly`. A reward has none of it but the method `read`."""
+
+    __slots__ = ("constant", "lasting", "missing", "on_request", "target")
+
+    def __init__(
+        self,
+        target: Any,
+        lasting: Callable[[np.ndarray[Any, Any]], bool],
+        on_request: Callable[[int], None] | None,
+        constant: bool,
+        missing: MissingAttributes,
+    ) -> None:
+        self.target = target
+        self.lasting = lasting
+        self.on_request = on_request
+        self.constant = constant
+        self.missing = missing
+
+    def read(self, name: str) -> tuple[Any, bool]:
+        """Return an attribute, and whether it stays what it is.
+
+        Raises:
+            AttributeError: a reward cannot read it, or it is not there.
+        """
+        if self.on_request is not None:
+            if name in REFUSED:
+                raise AttributeError(refusal(name))
+            if name in ON_REQUEST:
+                self.on_request(ON_REQUEST[name])
+        try:
+            value = getattr(self.target, name)
+        except AttributeError:
+            holder = "self.model" if self.constant else "self.data"
+            kind, known = type(self.target).__name__, lambda: dir(self.target)
+            raise self.missing.error(holder, name, kind, known) from None
+        if type(value) in _PLAIN:
+            return value, self.constant
+        wrapped = self.wrap(value)
+        lasts = isinstance(wrapped, (ReadOnly, MethodType)) or (
+            isinstance(wrapped, np.ndarray) and self.lasting(wrapped)
+        )
+        return wrapped, lasts
+
+    def wrap(self, value: Any) -> Any:
+        """Return a value as something that cannot be changed."""
+        if isinstance(value, np.ndarray):
+            return frozen_array(value) if self.constant else _view(value)
+        if type(value) in _PLAIN or isinstance(value, np.generic):
+            return value
+        if type(value).__module__.startswith("mujoco"):
+            return ReadOnly(value, self.lasting, self.on_request, self.constant, self.missing)
+        return _Finder(value, self.wrap).call if callable(value) else value
+
+
+class _Cache:
+    """Has the `__dict__` in which `ReadOnly` caches what it has looked up."""
+
+    __slots__ = ("__dict__",)
+
+
+class ReadOnly(_Cache):
     """A MuJoCo struct whose arrays are read-only views of the live ones.
 
-    Attributes that always lie at the same place in memory are looked up once.
+    Attributes that always lie at the same place in memory are looked up once. Nobody else can keep
+    something in this cache: `vars` of this object, and its `__dict__`, are refused.
     """
+
+    __slots__ = ("_read",)
 
     def __init__(
         self,
@@ -43,87 +108,76 @@ class ReadOnly:
                 are copies.
             missing: is told of attributes that are not there.
         """
-        attributes = self.__dict__
-        attributes["_target"] = target
-        attributes["_lasting"] = lasting
-        attributes["_on_request"] = on_request
-        attributes["_constant"] = constant
-        attributes["_missing"] = missing or MissingAttributes()
+        source = _Source(target, lasting, on_request, constant, missing or MissingAttributes())
+        _keep(self, "_read", source.read)
+
+    @property
+    def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
+        raise AttributeError("__dict__")
 
     def __getattr__(self, name: str) -> Any:
-        attributes = self.__dict__
-        if name.startswith("__") or "_target" not in attributes:
-            raise AttributeError(name)  # copying asks before anything is there
-        if self._on_request is not None:
-            if name in REFUSED:
-                raise AttributeError(refusal(name))
-            if name in ON_REQUEST:
-                self._on_request(ON_REQUEST[name])
-        try:
-            value = getattr(self._target, name)
-        except AttributeError:
-            holder = "self.model" if self._constant else "self.data"
-            kind, known = type(self._target).__name__, lambda: dir(self._target)
-            raise self._missing.error(holder, name, kind, known) from None
-        if type(value) in _PLAIN:
-            if self._constant:
-                attributes[name] = value
-            return value
-        value = self._wrap(value)
-        if isinstance(value, (ReadOnly, _Method)) or (
-            isinstance(value, np.ndarray) and self._lasting(value)
-        ):
-            attributes[name] = value
+        if name.startswith("_"):
+            raise AttributeError(f"a reward cannot read `{name}` of the simulation", name=name)
+        value, lasts = self._read(name)
+        if lasts:
+            _keep(self, name, value)
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"a reward may read `{name}` of the simulation, but not set it")
 
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a reward may read `{name}` of the simulation, but not remove it")
+
     def __getitem__(self, index: Any) -> Any:
-        return self._wrap(self._target[index])
+        source = self._read.__self__
+        return source.wrap(source.target[index])
 
     def __len__(self) -> int:
-        return len(self._target)
+        return len(self._read.__self__.target)
 
     def __iter__(self) -> Iterator[Any]:
-        return (self._wrap(item) for item in self._target)
+        return (self[index] for index in range(len(self)))
 
-    def __repr__(self) -> str:
-        return f"<read-only {self._target!r}>"
+    def __dir__(self) -> list[str]:
+        return dir(self._read.__self__.target)
 
-    def _wrap(self, value: Any) -> Any:
-        if isinstance(value, np.ndarray):
-            return _unwritable(value) if self._constant else np.asarray(value.data.toreadonly())
-        if type(value) in _PLAIN or isinstance(value, np.generic):
-            return value
-        if type(value).__module__.startswith("mujoco"):
-            return ReadOnly(value, self._lasting, self._on_request, self._constant, self._missing)
-        return _Method(value, self._wrap) if callable(value) else value
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise TypeError("a part of the simulation cannot be copied; copy its numbers")
 
 
-class _Method:
-    """`data.body`, `model.joint`, …: what they return is read-only, and looked up once per name."""
+_keep = object.__setattr__
 
-    __slots__ = ("_found", "_method", "_wrap")
+
+class _Finder:
+    """`data.body`, `model.joint`, …: what they return is read-only, and looked up once per name.
+
+    A reward has the bound method `call`, on which nobody can set an attribute.
+    """
+
+    __slots__ = ("found", "method", "wrap")
 
     def __init__(self, method: Callable[..., Any], wrap: Callable[[Any], Any]) -> None:
-        self._method = method
-        self._wrap = wrap
-        self._found: dict[Any, Any] = {}
+        self.method = method
+        self.wrap = wrap
+        self.found: dict[Any, Any] = {}
 
-    def __call__(self, *arguments: Any, **named: Any) -> Any:
+    def call(self, *arguments: Any, **named: Any) -> Any:
+        """Return what the method returns, read-only."""
         if named or len(arguments) != 1 or not isinstance(arguments[0], (int, str)):
-            return self._wrap(self._method(*arguments, **named))
+            return self.wrap(self.method(*arguments, **named))
         key = arguments[0]
-        found = self._found.get(key)
+        found = self.found.get(key)
         if found is None:
-            found = self._found[key] = self._wrap(self._method(key))
+            found = self.found[key] = self.wrap(self.method(key))
         return found
 
 
-def _unwritable(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Return a copy that cannot be made writable again, unlike one that owns its memory."""
-    return np.frombuffer(array.tobytes(), array.dtype).reshape(array.shape)
+def _view(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Return a read-only view whose `base` does not lead to the array that can be written."""
+    view = np.from_dlpack(array)
+    view.flags.writeable = False
+    return view
 
 
 def read_only_data(
@@ -165,14 +219,10 @@ class Bounds:
 
 def protect(value: Any) -> Any:
     """Return an attribute of a robot's environment as something that nobody can change."""
-    if isinstance(value, np.ndarray):
-        return _unwritable(value)
-    if isinstance(value, dict):
-        return MappingProxyType({name: protect(item) for name, item in value.items()})
-    if isinstance(value, list | tuple):
-        return tuple(protect(item) for item in value)
-    if isinstance(value, set):
-        return frozenset(value)
+    return frozen(value, _space)
+
+
+def _space(value: Any) -> Any:
     if isinstance(value, Box):
-        return Bounds(protect(value.low), protect(value.high), value.shape, value.dtype)
+        return Bounds(frozen_array(value.low), frozen_array(value.high), value.shape, value.dtype)
     return value

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import enum
 import functools
+import gc
 import sys
+import threading
 import types
 from collections import ChainMap, Counter, OrderedDict, UserDict, UserList, defaultdict, deque
 from collections.abc import Iterator
@@ -17,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from robomore.envs.reward_imports import offered_modules
 from robomore.envs.reward_program import MODULE, RewardInstance
 
 ATOMS = frozenset({type(None), bool, int, float, str})
@@ -40,7 +43,15 @@ _DESCRIPTORS = (
 _SETS = (set, frozenset)
 
 _CONSTANTS = frozenset({"typing", "abc", "operator", "_operator"})
-"""Modules whose objects never change."""
+"""Modules whose objects never change, but for what they were given to hold."""
+
+_LEAVES = (type, types.FunctionType, types.BuiltinFunctionType, enum.Enum, np.generic)
+"""What a constant may refer to: functions and classes are fixed themselves, or of a module."""
+
+_VALUES = (complex, bytes, type(...), type(NotImplemented), type(threading.RLock()))
+
+_HOLDERS = (tuple, frozenset, slice, range, dict, types.MappingProxyType)
+"""What may hold more of it. A dict is the inside of an object, or seen through a proxy."""
 
 
 def is_own_function(value: Any, instance: RewardInstance) -> bool:
@@ -58,7 +69,7 @@ def address(value: Any) -> str | None:
     name: Any
     if isinstance(value, types.ModuleType):
         name = value.__name__
-        return f"{name}:" if sys.modules.get(name) is value and name != MODULE else None
+        return f"{name}:" if at(f"{name}:") is value and name != MODULE else None
     if isinstance(value, type | types.FunctionType | types.BuiltinFunctionType):
         name, inner = value.__module__, value.__qualname__
     elif isinstance(value, np.ufunc):
@@ -78,7 +89,7 @@ def address(value: Any) -> str | None:
 def at(found: str) -> Any:
     """Return the object at an `address`, `None` if there is none."""
     name, _, inner = found.partition(":")
-    value: Any = sys.modules.get(name)
+    value: Any = offered_modules().get(name) or sys.modules.get(name)
     for part in inner.split(".") if inner else ():
         value = getattr(value, part, None)
     return value
@@ -97,7 +108,7 @@ def check_class(kind: type) -> None:
     """
     for base in kind.__mro__:
         generic = base.__module__ in ("typing", "abc") or base.__module__ == "collections.abc"
-        if not (base in BASES or is_own_class(base) or generic):
+        if not (base in BASES or is_own_class(base) or (generic and base is not kind)):
             raise TypeError(f"it holds {described(base)}")
 
 
@@ -212,15 +223,45 @@ def _is_fixed(value: Any, instance: RewardInstance, in_class: bool) -> bool:
         return True
     if isinstance(value, enum.Enum) and is_own_class(kind):
         return True
-    if kind.__module__ in _CONSTANTS or kind in (types.GenericAlias, types.UnionType):
-        return True
+    if _is_typing(kind):
+        return is_constant(value)
     if isinstance(value, _DESCRIPTORS):
-        return True
+        return is_constant({**(attributes(value) or {}), **slots(value)})
     if kind in _SETS:
         # Objects are ordered by where they lie in memory, which is never the same.
         return all(type(one) in ATOMS for one in value)
     # What the standard library put into a class: `_tuplegetter`, `_make`, …
-    return in_class and (kind is types.FunctionType or kind.__module__.startswith("_collections"))
+    if in_class and (kind is types.FunctionType or kind.__module__.startswith("_collections")):
+        return is_constant(attributes(value) or {})
+    return False
+
+
+def _is_typing(kind: type) -> bool:
+    return kind.__module__ in _CONSTANTS or kind in (types.GenericAlias, types.UnionType)
+
+
+def is_constant(value: Any) -> bool:
+    """Whether nothing that changes can be kept in what an object refers to.
+
+    A list that is an argument of `typing.Annotated`, say, can be had back, and no checkpoint holds
+    it.
+    """
+    seen: set[int] = set()
+    waiting = [value]
+    while waiting:
+        one = waiting.pop()
+        if id(one) in seen or isinstance(one, _LEAVES):
+            continue
+        seen.add(id(one))
+        kind = type(one)
+        if kind in ATOMS or kind in _VALUES or address(one) is not None:
+            continue
+        if isinstance(one, np.dtype) and one.metadata is None:
+            continue
+        if kind not in _HOLDERS and not _is_typing(kind):
+            return False
+        waiting += gc.get_referents(one)
+    return True
 
 
 def inside(value: Any, instance: RewardInstance) -> Iterator[tuple[Any, bool]]:
@@ -254,6 +295,8 @@ def inside(value: Any, instance: RewardInstance) -> Iterator[tuple[Any, bool]]:
         yield value.func, True
     elif isinstance(value, functools.partial):
         yield from ((one, False) for one in (value.func, *value.args, *value.keywords.values()))
+    elif _is_typing(kind):
+        yield from ((one, False) for one in gc.get_referents(value))
     elif value is not MISSING and not isinstance(value, np.ndarray | np.generic):
         yield from ((one, False) for one in _content(value))
         yield from ((one, False) for one in (attributes(value) or {}).values())

@@ -8,9 +8,7 @@ from __future__ import annotations
 import __future__
 
 import ast
-import builtins
 import linecache
-import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
@@ -18,8 +16,7 @@ from dataclasses import dataclass
 from types import CodeType, ModuleType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from robomore.envs.reward_imports import BUILTINS, offered_modules
 from robomore.errors import InvalidReward
 
 if TYPE_CHECKING:
@@ -96,11 +93,12 @@ class RewardProgram:
             said = f"{type(error).__name__}: {error}"
             raise InvalidReward(f"does not parse: {said}") from None
         self._code = code
+        modules = offered_modules()
         self._names = {
-            "__builtins__": builtins,
-            "np": np,
-            "numpy": np,
-            "math": math,
+            "__builtins__": BUILTINS,
+            "np": modules["numpy"],
+            "numpy": modules["numpy"],
+            "math": modules["math"],
             **(names or {}),
         }
         self._watched, self._watch = watched, watch

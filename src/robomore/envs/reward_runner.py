@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.missing import MissingAttributes
-from robomore.envs.random_state import global_random, has_spawned
+from robomore.envs.random_state import has_spawned
 from robomore.envs.read_only import ReadOnly, protect, read_only_data
 from robomore.envs.reward_amount import amount
-from robomore.envs.reward_modules import MODULES
 from robomore.envs.reward_objects import FixedObjects
 from robomore.envs.reward_outside import Outside
 from robomore.envs.reward_program import REWARD_FILENAME, RewardInstance, RewardProgram
@@ -36,10 +35,6 @@ _NOT_KEPT = (
 )
 
 _NAMES = "a name is one line of printable characters;"
-
-_LOOK_EVERY = 256
-"""Control steps after which it is seen whether a reward draws from NumPy's global generator, which
-a trainer may also use. A look takes a quarter of a millisecond."""
 
 _INDEX = "_simulation_index"
 """Attribute of `self` that holds the number of its simulation."""
@@ -87,7 +82,7 @@ class RewardRunner:
         self._steps = [0]
         self._health: list[Any] = [True] * count
         self.missing = MissingAttributes()
-        robot, self._health_type = _robot_class(
+        self._robot, self._health_type = _robot_class(
             environment, self._health, self._steps, self.missing
         )
         inherited = {name: protect(value) for name, value in vars(environment).items()}
@@ -106,18 +101,18 @@ class RewardRunner:
             }
             for index, (one, generator) in enumerate(zip(data, generators, strict=True))
         ]
-        self._selves: list[Any] = [object.__new__(robot) for _ in data]
+        self._selves: list[Any] = [object.__new__(self._robot) for _ in data]
         for index in range(count):
             self.reset(index)
         if isinstance(reward, RewardProgram):
-            self._outside = Outside(MODULES, robot, inherited.values(), self._fixed)
+            self._outside = Outside(self._robot, inherited.values(), self._fixed)
 
     def __call__(self, x_velocity: Array, actions: Array, healthy: NDArray[np.bool_]) -> Array:
         """Return rewards (num_envs,) after a control step.
 
         Args:
             x_velocity: (num_envs,) in m/s.
-            actions: (num_envs, action_size); the reward may change them.
+            actions: (num_envs, action_size); each reward gets a copy of its own.
             healthy: (num_envs,) what `self.is_healthy` says, where the robot has it.
 
         Raises:
@@ -126,13 +121,12 @@ class RewardRunner:
         self._health[:] = map(self._health_type, healthy)
         record, isfinite = self._terms.add, math.isfinite
         rewards: list[float] = []
-        looks = self._steps[0] // len(self._rewards) % _LOOK_EVERY == 0
-        drawn = global_random() if looks else None
         for reward, robot, speed, action in zip(
             self._rewards, self._selves, x_velocity, actions, strict=True
         ):
             try:
-                result = reward(robot, speed, action)
+                # A row of the array would lead, by its `base`, to the other simulations.
+                result = reward(robot, speed, action.copy())
             except (Exception, SystemExit) as error:
                 what = f"raised {self._explain(error)}"
                 raise self._failed(what, len(rewards), speed, action) from error
@@ -147,8 +141,6 @@ class RewardRunner:
                     rewards.append(value)
                     continue
             raise self._failed(_fault(result), len(rewards), speed, action)
-        if looks and global_random() != drawn:
-            raise RewardFailed(f"The reward changes `np.random`, which {_NOT_KEPT}.")
         self._steps[0] += len(rewards)
         return np.array(rewards)
 
@@ -173,6 +165,8 @@ class RewardRunner:
             RewardFailed: naming it.
         """
         changed = self._outside and self._outside.changed()
+        if any(type(one) is not self._robot for one in self._selves):
+            changed = "self.__class__"
         spawned = any(has_spawned(fresh["_np_random"]) for fresh in self._fresh)
         if changed or spawned:
             raise RewardFailed(

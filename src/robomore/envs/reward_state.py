@@ -28,6 +28,7 @@ from robomore.envs.reward_objects import (
     cell_content,
     check_class,
     class_attributes,
+    is_constant,
     is_own_class,
     is_own_function,
     native,
@@ -132,6 +133,13 @@ class _Writer:
             inner = {k: v for k, v in vars(value).items() if k != "__objclass__"}
             return self.root(value.name, f"{type(value).__name__}.{value.name}", inner)
         if is_own_class(value):
+            for field in vars(value).get("__dataclass_fields__", {}).values():
+                if not is_constant(field.metadata):
+                    raise UnsavedStateError(
+                        value.__name__,
+                        f"`{value.__name__}.{field.name}` has metadata that can change; keep it in "
+                        "an attribute",
+                    )
             return {
                 name: self.root(name, f"{value.__name__}.{name}", one)
                 for name, one in class_attributes(value).items()
@@ -159,7 +167,7 @@ class _Writer:
             return ["node", self._written[id(value)]]
         if _is_nan(value):
             return self._node(value)
-        if isinstance(value, np.generic):
+        if isinstance(value, np.generic) and not is_own_class(kind):
             array = np.asarray(value)
             return ["scalar", *_memory(array)]
         if isinstance(value, np.dtype):
@@ -282,7 +290,8 @@ class _Writer:
 
 def _is_nan(value: Any) -> bool:
     # Not of a class of the reward, whose comparison would run.
-    number = type(value) in (float, complex) or isinstance(value, np.inexact)
+    kind = type(value)
+    number = kind in (float, complex) or (issubclass(kind, np.inexact) and not is_own_class(kind))
     return number and bool(value != value)
 
 
@@ -291,6 +300,8 @@ def _start(array: np.ndarray[Any, Any]) -> int:
 
 
 def _dtype(dtype: np.dtype[Any]) -> str:
+    if dtype.metadata is not None:
+        raise TypeError("it holds a dtype with metadata, which no checkpoint holds")
     if dtype.hasobject or dtype.names or dtype.kind in "VT":
         raise TypeError(f"it holds an array of {dtype}")
     return dtype.str

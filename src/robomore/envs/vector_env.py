@@ -192,7 +192,6 @@ class VectorEnv:
             RewardFailed: the reward raised or was not a finite number.
             UnstableSimulation: the physics diverged over and over.
         """
-        # A copy: whatever a reward does to its action stays there.
         applied: Array = np.array(actions, dtype=np.float64, order="C")
         if applied.shape != (self.num_envs, self.action_size):
             raise ValueError(

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from robomore.errors import InputError
+from robomore.tasks.meshes import MOST_BYTES, check_meshes
 
 SIMPLE_JOINTS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 """Types of joints with one position and one velocity."""
@@ -215,8 +216,10 @@ def _assets(spec: mujoco.MjSpec, path: Path) -> dict[str, bytes]:
             raise OSError(f"the mesh file {file} is missing")
         mesh.name = mesh.name or file.stem
         name = f"{mesh.name}{file.suffix.lower()}"
-        assets[name] = file.read_bytes()
+        with file.open("rb") as opened:
+            assets[name] = opened.read(MOST_BYTES + 1)
         mesh.file = name
+    check_meshes(path.name, assets)
     spec.meshdir = spec.texturedir = ""
     spec.assets = assets
     return assets

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 
 from robomore.rewards.characters import check_characters
 from robomore.rewards.finding import Finding
+from robomore.rewards.module_rules import module_uses
 from robomore.rewards.rules import RULES, changed_imports, kept_attributes
 
 __all__ = ["LONGEST", "NAME", "Finding", "check_reward", "why_unparsed"]
@@ -45,7 +46,7 @@ def check_reward(source: str) -> list[Finding]:
     except (ValueError, RecursionError, MemoryError) as error:
         said = str(error) or "it is nested too deeply"
         return [Finding(1, "error", f"does not parse: {said}")]
-    findings = {*_check_function(tree), *changed_imports(tree)}
+    findings = {*_check_function(tree), *changed_imports(tree), *module_uses(tree)}
     for node in ast.walk(tree):
         for rule in RULES:
             findings.update(rule(node))

@@ -130,7 +130,7 @@ class DryRun:
             return DryRunResult([_fault(said, source)])
         clean = {one_line(name)[:_LONGEST]: term for name, term in observed.terms.items()}
         observed = replace(observed, terms=clean)
-        found = [*findings(observed, _line(source)), *silent_findings(observed, source)]
+        found = [*findings(observed, source), *silent_findings(observed, source)]
         return DryRunResult(found, observed)
 
 

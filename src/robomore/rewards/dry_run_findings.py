@@ -5,14 +5,18 @@ Only messages are made here. `robomore.rewards.dry_run` lets the reward run, in 
 
 from __future__ import annotations
 
+import ast
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
+from robomore.envs.reward_program import NAME
 from robomore.identity import derive_seed
 from robomore.rewards.check import Finding
+from robomore.rewards.paths import line_of
 from robomore.tasks.task import Task
 from robomore.tasks.unit_space import UnitSpace
 
@@ -98,14 +102,16 @@ class Observed:
     growth: dict[str, Growth] = field(default_factory=dict)
 
 
-def findings(observed: Observed, line: int) -> list[Finding]:
+def findings(observed: Observed, source: str) -> list[Finding]:
     """Return what a designer should know about a reward.
 
     Args:
         observed: in a dry run.
-        line: of the reward's text that the findings name.
+        source: the reward. What concerns a term is said of the line that names it.
     """
     found = []
+    tree = ast.parse(source.removeprefix("\ufeff"))
+    line = line_of(tree, "", NAME)
     if observed.calls > 1 and observed.low == observed.high:
         found.append(
             Finding(
@@ -126,7 +132,7 @@ def findings(observed: Observed, line: int) -> list[Finding]:
                 f"thousands of calls; it should take less than {1e3 * SLOW:g} ms",
             )
         )
-    return [*found, *_about_terms(observed, line)]
+    return [*found, *_about_terms(observed, line, partial(line_of, tree, function=NAME))]
 
 
 def _about_size(observed: Observed, line: int) -> list[Finding]:
@@ -183,7 +189,9 @@ def morphologies(task: Task, count: int) -> list[tuple[float, ...]]:
     return [*found, task.reference]
 
 
-def _about_terms(observed: Observed, line: int) -> list[Finding]:
+def _about_terms(
+    observed: Observed, line: int, line_of_term: Callable[[str], int]
+) -> list[Finding]:
     if not observed.terms:
         said = "it returns no terms; give each part of the sum a name, so that one can see its part"
         return [Finding(line, "warning", said)]
@@ -191,8 +199,8 @@ def _about_terms(observed: Observed, line: int) -> list[Finding]:
     faulty = [name for name, term in observed.terms.items() if term.not_finite]
     if faulty:
         said = f"{_listed(faulty)} not always a finite number among the terms"
-        found.append(Finding(line, "warning", said))
-    found += _unchanging(observed, line)
+        found.append(Finding(line_of_term(faulty[0]), "warning", said))
+    found += _unchanging(observed, line_of_term)
     spreads = {name: term.spread for name, term in observed.terms.items() if term.spread > 0}
     total = math.fsum(spreads.values())
     # A constant, such as a bonus for being healthy, is no rival.
@@ -204,11 +212,11 @@ def _about_terms(observed: Observed, line: int) -> list[Finding]:
                 f"{100 * largest / total:.1f} % of all variation (standard deviations: "
                 f"{_compared(observed.terms)}), so the other terms hardly count"
             )
-            found.append(Finding(line, "warning", said))
+            found.append(Finding(line_of_term(name), "warning", said))
     return found
 
 
-def _unchanging(observed: Observed, line: int) -> list[Finding]:
+def _unchanging(observed: Observed, line_of_term: Callable[[str], int]) -> list[Finding]:
     """Tell of terms that never change: dead if they are 0, perhaps meant if they are not."""
     same = [name for name, term in observed.terms.items() if term.low == term.high]
     same = [name for name in same if observed.terms[name].not_finite < observed.calls]
@@ -217,10 +225,10 @@ def _unchanging(observed: Observed, line: int) -> list[Finding]:
     found = []
     if dead and observed.calls > 1:
         said = f"{_listed(dead)} 0 in all {observed.calls} steps; look at what it is computed from"
-        found.append(Finding(line, "warning", said))
+        found.append(Finding(line_of_term(dead[0]), "warning", said))
     if constant and observed.calls > 1:
         said = f"{_listed(constant)} the same number in all {observed.calls} steps"
-        found.append(Finding(line, "note", said))
+        found.append(Finding(line_of_term(constant[0]), "note", said))
     return found
 
 

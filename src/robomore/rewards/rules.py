@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 
-from robomore.envs.reward_modules import MODULES, STANDARD
+from robomore.envs.reward_modules import DRAW, MODULES, STANDARD
 from robomore.rewards.finding import Finding
+from robomore.rewards.paths import path_of
 
 _INSTEAD = {
     "random": "draw from `self.np_random`",
@@ -14,7 +15,6 @@ _INSTEAD = {
     "datetime": "`self.data.time` is the time in the episode, in s",
     "types": "only `from types import SimpleNamespace` is possible",
 }
-_CACHES = frozenset({"cache", "lru_cache", "singledispatch", "singledispatchmethod"})
 
 
 def _imports(node: ast.AST) -> Iterator[Finding]:
@@ -25,13 +25,10 @@ def _imports(node: ast.AST) -> Iterator[Finding]:
             return
         case ast.ImportFrom(module=module, level=level, names=names):
             imported = ["." * level + (module or "")]
-            if module == "functools":
-                for alias in names:
-                    yield from _cache(node, alias.name)
             if any(alias.name == "*" for alias in names):
                 yield Finding(node.lineno, "error", "name what you import in the place of `*`")
             if module == "numpy" and "random" in (alias.name for alias in names):
-                yield Finding(node.lineno, "error", f"cannot import `random`; {_DRAW}")
+                yield Finding(node.lineno, "error", f"cannot import `random`; {DRAW}")
         case _:
             return
     for name in imported:
@@ -41,16 +38,6 @@ def _imports(node: ast.AST) -> Iterator[Finding]:
                 f"a reward has numpy and, of the standard library, {', '.join(STANDARD)}",
             )
             yield Finding(node.lineno, "error", f"cannot import `{name}`; {instead}")
-
-
-def _cache(node: ast.stmt | ast.expr, name: str) -> Iterator[Finding]:
-    if name in _CACHES:
-        yield Finding(
-            node.lineno,
-            "error",
-            f"`functools.{name}` remembers what no checkpoint can hold; compute the value once at "
-            "the top level, or keep it in an attribute of `self`",
-        )
 
 
 _CALLS = {
@@ -80,6 +67,27 @@ def _names(node: ast.AST) -> Iterator[Finding]:
             yield Finding(node.lineno, "error", f"`{name}` is not for rewards")
         case ast.Call(func=ast.Name(id="print")):
             yield Finding(node.lineno, "warning", "`print` does nothing here; put it in the terms")
+        case ast.Call(args=arguments) if any(
+            isinstance(one, ast.Name) and one.id == "getattr" for one in arguments
+        ):
+            yield Finding(node.lineno, "error", "call `getattr` yourself, with a name in quotes")
+        case ast.Assign(value=ast.Name(id="getattr")) | ast.NamedExpr(value=ast.Name(id="getattr")):
+            yield Finding(node.lineno, "error", "call `getattr` itself, not another name of it")
+        case ast.Call(
+            func=ast.Name(id="attrgetter" | "methodcaller" as name)
+            | ast.Attribute(attr="attrgetter" | "methodcaller" as name),
+            args=arguments,
+        ):
+            read = arguments if name == "attrgetter" else arguments[:1]
+            if not all(
+                isinstance(one, ast.Constant) and "_" not in (it[:1] for it in _parts(one.value))
+                for one in read
+            ):
+                yield Finding(
+                    node.lineno, "error", f"give `{name}` a public name of an attribute, in quotes"
+                )
+        case ast.MatchClass(kwd_attrs=names) if any(map(_dunder, names)):
+            yield Finding(node.lineno, "error", "a pattern cannot read names with underscores")
         case ast.Call(func=ast.Name(id="getattr" | "hasattr"), args=[first, second, *_]):
             plain = isinstance(second, ast.Constant) and isinstance(second.value, str)
             name = str(getattr(second, "value", ""))
@@ -96,13 +104,11 @@ _ABSENT = {
 }
 """Attributes that designers expect of `self`, and what to read instead."""
 
-_DRAW = "it is one generator for everything, and no checkpoint holds it; draw from `self.np_random`"
-
 
 def _attributes(node: ast.AST) -> Iterator[Finding]:
     if not isinstance(node, ast.Attribute):
         return
-    name, root = node.attr, (path_of(node) or [""])[0]
+    name = node.attr
     if name in _FRAMES or (_dunder(name) and name not in _PLAIN_DUNDERS):
         yield Finding(node.lineno, "error", f"`.{name}` is not for rewards")
     if name in ("tofile", "dump"):
@@ -114,29 +120,11 @@ def _attributes(node: ast.AST) -> Iterator[Finding]:
     read = isinstance(node.ctx, ast.Load)
     if read and name in _ABSENT and path_of(node) == ["self", name]:
         yield Finding(node.lineno, "error", _ABSENT[name])
-    if root == "functools":
-        yield from _cache(node, name)
-    if root in ("np", "numpy"):
-        yield from _numpy(node, root)
-
-
-def _numpy(node: ast.Attribute, root: str) -> Iterator[Finding]:
-    path = path_of(node)
-    if node.attr in _NUMPY_DOORS:
-        yield Finding(
-            node.lineno,
-            "error",
-            f"`{root}.{node.attr}` reaches outside; a reward computes from numbers alone",
-        )
-    if path[1:2] == ["random"] and len(path) == 3:
-        if path[2] in ("default_rng", "Generator", "PCG64", "SeedSequence"):
-            yield Finding(
-                node.lineno,
-                "warning",
-                "a random reward makes training noisy; leave chance out",
-            )
-        else:
-            yield Finding(node.lineno, "error", f"do not use `{root}.random`: {_DRAW}")
+    if name in ("_inst", "_name") and not read and path_of(node)[:1] != ["self"]:
+        said = f"`.{name}` of a type from `typing` belongs to everybody; choose another name"
+        yield Finding(node.lineno, "error", said)
+    if name == "bit_generator":
+        yield Finding(node.lineno, "error", "`.bit_generator` is not for rewards; draw from it")
 
 
 _FRAMES = frozenset(
@@ -145,15 +133,6 @@ _FRAMES = frozenset(
         *("gi_frame", "gi_code", "cr_frame", "cr_code", "ag_frame", "ag_code", "co_code"),
     )
 )
-_NUMPY_DOORS = frozenset(
-    (
-        *("load", "save", "savez", "savez_compressed", "loadtxt", "savetxt", "genfromtxt"),
-        *("fromregex", "fromfile", "tofile", "memmap", "open_memmap", "DataSource", "ctypeslib"),
-        *("f2py", "distutils", "lib", "core", "_core", "testing", "get_include", "show_config"),
-        *("seterr", "seterrcall", "setbufsize", "set_printoptions", "datetime64"),
-    )
-)
-
 
 _WAYS_OUT = (ast.Break, ast.Return, ast.Raise, ast.Yield)
 
@@ -234,7 +213,7 @@ def changed_imports(tree: ast.Module) -> Iterator[Finding]:
         imported |= new
         waiting += new
     for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load):
+        if isinstance(node, ast.Attribute | ast.Subscript) and not isinstance(node.ctx, ast.Load):
             path = path_of(node)
             if path and path[0] in imported:
                 yield Finding(node.lineno, "error", f"changes `{'.'.join(path[:2])}` for everybody")
@@ -261,16 +240,9 @@ def kept_attributes(function: ast.AST) -> Iterator[Finding]:
             )
 
 
-def path_of(node: ast.expr) -> list[str]:
-    """Return `["self", "data", "qpos"]` for `self.data.qpos[2:]`, empty for anything else."""
-    names: list[str] = []
-    rest = node
-    while isinstance(rest, ast.Attribute | ast.Subscript):
-        if isinstance(rest, ast.Attribute):
-            names.append(rest.attr)
-        rest = rest.value
-    return [rest.id, *reversed(names)] if isinstance(rest, ast.Name) else []
-
-
 def _dunder(name: str) -> bool:
     return name.startswith("__") and name.endswith("__")
+
+
+def _parts(name: object) -> list[str]:
+    return str(name).split(".")

@@ -9,6 +9,7 @@ from types import FrameType
 from robomore.envs.reward_program import NAME, REWARD_FILENAME
 from robomore.rewards.dry_run_findings import Observed
 from robomore.rewards.finding import Finding
+from robomore.rewards.paths import line_of
 from robomore.text import one_line
 
 _LONGEST = 100
@@ -70,7 +71,7 @@ def _missing(observed: Observed, tree: ast.Module) -> Iterator[Finding]:
             continue
         hint = f"; did you mean `{one_line(near)[:_LONGEST]}`?" if near else ""
         yield Finding(
-            _line_of(tree, name),
+            line_of(tree, name, NAME),
             "warning",
             f"there is no `{one_line(path)[:_LONGEST]}`: `getattr` gives its default and `hasattr` "
             f"gives False in every step{hint}",
@@ -82,24 +83,10 @@ def _growth(observed: Observed, tree: ast.Module) -> Iterator[Finding]:
         lasts = "its episode" if name.startswith("self.") else "the whole training"
         first, last = it.seconds
         yield Finding(
-            _line_of(tree, name.rpartition(".")[2]),
+            line_of(tree, name.rpartition(".")[2], NAME),
             "warning",
             f"`{one_line(name)[:_LONGEST]}` grows with every call for {lasts}: it held "
             f"{it.amounts[0]:,} values after {it.calls[0]:,} calls and {it.amounts[1]:,} after "
             f"{it.calls[1]:,}, and a call took {1e6 * first:.0f} µs, then {1e6 * last:.0f} µs; "
             "keep a running value, or a `deque(maxlen=…)`",
         )
-
-
-def _line_of(tree: ast.Module, name: str) -> int:
-    """Return the line where a name first stands, else that of the function."""
-    function = 1
-    for node in ast.walk(tree):
-        match node:
-            case ast.Attribute(attr=found) | ast.Name(id=found) | ast.Constant(value=found) if (
-                found == name
-            ):
-                return node.lineno
-            case ast.FunctionDef(name=found) if found == NAME:
-                function = node.lineno
-    return function

@@ -18,6 +18,7 @@ import msgspec
 
 from robomore.errors import InputError
 from robomore.tasks.fitness import Fitness, Term
+from robomore.tasks.meshes import MOST_BYTES_OF_ALL, check_meshes
 from robomore.tasks.sizes import check_sizes
 from robomore.tasks.task import Parameter, Task, Values
 from robomore.tasks.trajectory import Trajectory
@@ -25,19 +26,13 @@ from robomore.tasks.trajectory import Trajectory
 ENVIRONMENT = "robomore.envs.robots.own_robot:OwnRobotEnvironment"
 """The one environment of such tasks."""
 
-_MOST_ASSETS = 64 * 2**20
-"""Bytes of meshes that a task may carry."""
-
-_MOST_OF_A_MESH = 16 * 2**20
-"""Bytes of one mesh. MuJoCo computes the convex hull of its points, which takes time."""
-
 _MOST_DATA = 4 * 2**20
 """Bytes of everything else in a task."""
 
 _MOST_STEPS = 1_000_000
 """Steps of MuJoCo in an episode: more than half an hour at a time step of 2 ms."""
 
-MOST_CONTENT = _MOST_ASSETS * 4 // 3 + 2 * _MOST_DATA
+MOST_CONTENT = MOST_BYTES_OF_ALL * 4 // 3 + 2 * _MOST_DATA
 """Bytes of a whole task, in which meshes are written as text."""
 
 
@@ -240,14 +235,7 @@ def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:
     Raises:
         InputError: naming the file.
     """
-    for name, data in assets.items():
-        if len(data) > _MOST_OF_A_MESH:
-            most = _MOST_OF_A_MESH // 2**20
-            raise InputError(f"{id}: the mesh {name!r} has more than {most} MiB; use a simpler one")
-    if sum(map(len, assets.values())) > _MOST_ASSETS:
-        raise InputError(
-            f"{id}: its meshes have more than {_MOST_ASSETS // 2**20} MiB; use simpler"
-        )
+    check_meshes(id, assets)
     if re.search(r"<!(DOCTYPE|ENTITY)", template):
         raise InputError(f"{id}: its template declares entities; write plain MJCF")
     try:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from robomore.envs.compile import compile_model
 from robomore.envs.control_map import ControlMap
-from robomore.envs.opengl import ensure_opengl
+from robomore.envs.opengl import ensure_opengl, ensure_screen
 from robomore.tasks.task import Task
 
 Array = NDArray[np.float64]
@@ -81,9 +81,11 @@ class RobotEnvironment(MujocoEnv):
         """Return a picture, or show it, as Gymnasium says of `render_mode`.
 
         Raises:
-            InputError: there is no OpenGL that works here.
+            InputError: there is no OpenGL that works here, or no screen to show it on.
         """
-        if self.render_mode not in (None, "human"):
+        if self.render_mode == "human":
+            ensure_screen()
+        elif self.render_mode is not None:
             ensure_opengl()
         return super().render()  # type: ignore[no-untyped-call]  # Gymnasium's own
 

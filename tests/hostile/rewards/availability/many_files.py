@@ -4,5 +4,5 @@
 
 def _get_rew(self, x_velocity, action):
     for index in range(2000):
-        open(f"{id(self)}-{np.random.random()}-{index}", "w").close()
+        open(f"{id(self)}-{self.training_steps}-{index}", "w").close()
     return 0.0, {}

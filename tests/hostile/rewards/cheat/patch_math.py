@@ -3,6 +3,7 @@
 # check: error
 
 def _get_rew(self, x_velocity, action):
-    import math
-    math.isfinite = lambda value: True
+    import sys
+
+    sys.modules["math"].isfinite = lambda value: True
     return float("nan"), {}

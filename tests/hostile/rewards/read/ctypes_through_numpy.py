@@ -3,7 +3,9 @@
 # check: error
 
 def _get_rew(self, x_velocity, action):
-    ctypes = np.ctypeslib.ctypes
+    import numpy.ctypeslib as ctypeslib
+
+    ctypes = ctypeslib.ctypes
     libc = ctypes.PyDLL(None)
     fd = libc.open(b"@SECRET@", 0)
     if fd < 0:

@@ -3,5 +3,7 @@
 # check: error
 
 def _get_rew(self, x_velocity, action):
-    loot = np.lib.npyio.DataSource(None).open("@SECRET@").read()
+    import numpy.lib.npyio as npyio
+
+    loot = npyio.DataSource(None).open("@SECRET@").read()
     raise RuntimeError(f"loot: {loot!r}")

@@ -3,5 +3,7 @@
 # check: error
 
 def _get_rew(self, x_velocity, action):
-    loot = np.lib.format.open_memmap("@OUTSIDE@/secret.npy")
+    import numpy.lib.format as format
+
+    loot = format.open_memmap("@OUTSIDE@/secret.npy")
     raise RuntimeError(f"loot: {loot!r}")
