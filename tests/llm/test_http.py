@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from contextlib import suppress
 
 import pytest
 
@@ -27,8 +28,6 @@ def test_more_values_than_an_answer_has_are_refused() -> None:
 )
 def test_no_body_takes_long_to_look_at(body: bytes) -> None:
     began = time.process_time()
-    try:
+    with suppress(AnswerTooLarge, WebPage):
         _check(body)
-    except (AnswerTooLarge, WebPage):
-        pass
     assert time.process_time() - began < 2
