@@ -12,7 +12,7 @@ def test_export_on_the_command_line(
 ) -> None:
     said = robomore_("export", trained_run, "--to", tmp_path / "a", "--no-video", "--scale", "0.05")
     assert said.status == 0, said.err
-    assert "printable" in said.out and "by the exported code alone" in said.out
+    assert "verdict" in said.out and "by the exported code alone" in said.out
     again = robomore_("export", trained_run, "--to", tmp_path / "a")
     assert again.status == 2 and "--force" in again.err
     for wrong in ([], ["--to", "a", "--csv", "b"], ["--csv", "-", "--force"]):

@@ -41,6 +41,7 @@ def test_a_video_lies_in_the_runs_folder_and_says_what_opengl_needs(
 ) -> None:
     monkeypatch.setattr(opengl, "_works", lambda platform: False)
     monkeypatch.setattr(video, "_has_ffmpeg", lambda: False)
+    monkeypatch.setattr(video, "_THIN", 0)  # whatever the search has found
     copy = tmp_path / "copy"
     shutil.copytree(trained_run, copy)
     said = robomore_("play", copy, "--beside", "--seconds", "1")

@@ -38,7 +38,7 @@ def test_a_sound_reward_passes_with_its_statistics(
     )
     assert main(["check-reward", "swimmer", str(file)]) == 0
     told = capsys.readouterr().out
-    assert f"{file}:1: warning: 'spin' was 0 in all" in told and "one call takes" in told
+    assert f"{file}:3: warning: 'spin' was 0 in all" in told and "one call takes" in told
     table = told.splitlines()[2:6]
     assert [line.split()[0] for line in table] == ["(the", "speed", "effort", "spin"]
     assert main(["check-reward", "swimmer", str(file), "--json"]) == 0
