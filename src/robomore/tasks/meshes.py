@@ -6,8 +6,6 @@ import re
 import struct
 from collections.abc import Mapping
 
-import numpy as np
-
 from robomore.errors import InputError
 
 MOST_BYTES = 16 * 2**20
@@ -63,7 +61,8 @@ def _vertices(name: str, data: bytes) -> int:
         faces = (len(data) - 84) // 50
         if 3 * faces <= MOST_VERTICES:
             return faces // 2 + 2  # of a closed surface
-        table = np.frombuffer(data, np.uint8, 50 * faces, 84).reshape(faces, 50)
-        corners = np.ascontiguousarray(table[:, 12:48]).view("V12")
-        return len(np.unique(corners))
+        # Each face is a normal, its corners, and two bytes more.
+        starts = range(84 + 12, 84 + 50 * faces, 50)
+        corners = (data[at : at + 12] for start in starts for at in range(start, start + 36, 12))
+        return len(set(corners))
     return 0
