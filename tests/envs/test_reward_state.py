@@ -4,10 +4,12 @@ That every place where state can lie survives is tested with `rewards/test_conti
 """
 
 from __future__ import annotations
+import __future__
 
 import json
 import math
 from collections import OrderedDict, deque
+from dataclasses import KW_ONLY
 from types import SimpleNamespace
 from typing import Any
 
@@ -125,6 +127,8 @@ def test_what_is_shared_is_shared_again() -> None:
         (iter([1]), "an iterator"),
         (lambda: 0, "a function that is not of this reward"),
         (np.linalg.norm, "no error"),
+        (KW_ONLY, "no error"),
+        (__future__.annotations, "no error"),
     ],
 )
 def test_what_cannot_be_kept_is_named(value: Any, said: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import signal
@@ -154,6 +155,15 @@ def fill(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
             (Path(folder) / name).write_bytes(bytes(2**20))
     time.sleep(30)
     return b""
+
+
+def reserve(payload: bytes, scratch: Path, report: Report) -> bytes:
+    """Reserve space beyond the end of a file, which its size does not tell."""
+    keep_size = 1
+    with (scratch / "file").open("wb") as file:
+        arguments = map(ctypes.c_long, (file.fileno(), keep_size, 0, 2**24))
+        done = ctypes.CDLL(None, use_errno=True).fallocate(*arguments)
+        return json.dumps([done, ctypes.get_errno(), os.fstat(file.fileno()).st_blocks]).encode()
 
 
 def import_and_read(payload: bytes, scratch: Path, report: Report) -> bytes:

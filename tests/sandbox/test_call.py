@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import signal
@@ -201,6 +202,12 @@ def test_all_folders_count_against_the_disk_limit(tmp_path: Path) -> None:
     result = call("fill", aims, tmp_path / "scratch", limits, writable=[tmp_path / "checkpoint"])
     assert result.status is Status.REWARD_FAILED, result.diagnosis
     assert "more than 3 MiB" in result.diagnosis
+
+
+@strictly
+def test_no_disk_space_is_reserved(tmp_path: Path) -> None:
+    result = call("reserve", b"", tmp_path, replace(LIMITS, file_bytes=2**20))
+    assert json.loads(result.reply) == [-1, errno.EPERM, 0]
 
 
 def test_threads_are_allowed(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ import types
 from collections import ChainMap, Counter, OrderedDict, UserDict, UserList, defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import MISSING
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -79,11 +80,22 @@ def address(value: Any) -> str | None:
     elif callable(value) and isinstance(getattr(value, "__name__", None), str):
         name, inner = getattr(value, "__module__", None), value.__name__
     else:
-        return None
+        return _sentinels().get(id(value))
     if not isinstance(name, str) or not isinstance(inner, str) or name == MODULE:
         return None
     found = f"{name}:{inner}"
     return found if at(found) is value else None
+
+
+@cache
+def _sentinels() -> dict[int, str]:
+    """Return the addresses of what only stands for itself, such as `dataclasses.KW_ONLY`."""
+    return {
+        id(value): f"{module}:{name}"
+        for module, offered in offered_modules().items()
+        for name, value in vars(offered).items()
+        if type(value).__module__ == module and not callable(value)
+    }
 
 
 def at(found: str) -> Any:

@@ -2,7 +2,8 @@
 
 None of them removes or renames a file. A file that is removed while it is open, and one that moves
 while files are counted, takes space that nobody sees. None moves a file's pages into a pipe, where
-they would keep their memory after the file is cut short: no splice, no sendfile.
+they would keep their memory after the file is cut short: no splice, no sendfile. None reserves
+space: fallocate fills a disk between two looks at it, and past the limit of a file's size too.
 
 name: (number on x86_64, number on aarch64), `None` where that machine has no such call; from the
 kernel's unistd.h. What is allowed only with certain arguments stands in `seccomp`.
@@ -68,7 +69,6 @@ ALLOWED: dict[str, tuple[int | None, int | None]] = {
     "pipe2": (293, 59),
     "fsync": (74, 82),
     "fdatasync": (75, 83),
-    "fallocate": (285, 47),
     "ftruncate": (77, 46),
     "fadvise64": (221, 223),
     "copy_file_range": (326, 285),
