@@ -25,6 +25,7 @@ from keeping import (
     held,
 )
 
+from exhaustive import more_of
 from robomore.envs.reward_imports import offered_modules
 from robomore.envs.reward_runner import RewardRunner
 from robomore.envs.robots.base import RobotEnvironment
@@ -120,7 +121,7 @@ def test_what_is_kept_is_of_one_simulation(place: str) -> None:
     assert one == [list(reversed(rewards)) for rewards in other]
 
 
-@pytest.mark.parametrize("holder", HOLDERS)
+@pytest.mark.parametrize("holder", more_of(HOLDERS, "self", "closure", "partial"))
 def test_all_that_can_be_held_in_a_place_survives(holder: str) -> None:
     for content in CONTENTS:
         source = held(holder, content)

@@ -139,6 +139,8 @@ def _curve(curve: Curve | None) -> dict[str, Any] | None:
     series = {}
     for name, values in curve.series.items():
         numbers = np.array([np.nan if value is None else value for value in values])
+        # So that the range is a number, too, whatever somebody else's folder holds.
+        numbers = np.clip(numbers, -1e300, 1e300)
         known = numbers[np.isfinite(numbers)]
         low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
         scaled = (numbers - low) * (_LARGEST / max(high - low, 1e-12))
