@@ -17,6 +17,9 @@ from robomore.runs.words import in_unit, label
 from robomore.statistics.diversity import coefficient_of_variation, self_bleu, tokens
 
 _WIDTH, _HEIGHT, _EDGE = 400.0, 290.0, 22.0
+_MOST_CHARACTERS = 10_000
+"""Of a reward that are compared with the others; usual ones have a fifth of that."""
+
 _MOST_REWARDS = 30
 """Rewards whose texts are compared with each other, spread evenly over the search."""
 
@@ -71,7 +74,7 @@ def diversity(run: Run) -> Diversity | None:
         facts.append(("variation of the parameters (deviation / mean)", f"{variation:.3f}"))
     if len(rewards) > 1:
         some = rewards[:: -(-len(rewards) // _MOST_REWARDS)]
-        bleu = self_bleu([tokens(source) for source in some])
+        bleu = self_bleu([tokens(source[:_MOST_CHARACTERS]) for source in some])
         facts.append(("Self-BLEU of the rewards (less is more diverse)", f"{bleu:.3f}"))
     return Diversity(tuple(maps), tuple(facts))
 
