@@ -46,6 +46,8 @@ _HELD = (1, 1, 5, 15)
 _LIMITS = Limits(wall_seconds=120.0, reward_call_seconds=1.0, stall_seconds=60.0)
 _BLAMELESS = (Status.FAILED, Status.UNSTABLE, Status.INVALID_MORPHOLOGY)
 """Ends of a dry run that say nothing about the reward."""
+_MOST_SECONDS = 10.0
+"""Processor time after which a reward is not tried further: it is refused as too slow."""
 _MOST_TERMS = 64
 _LONGEST = 1_000
 """Characters of a finding."""
@@ -165,6 +167,8 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
                 anew = [index for index, held in enumerate(_HELD) if step % held == 0]
                 actions[anew] = random.uniform(-1, 1, (len(anew), env.action_size))
                 record.rewards += env.step(actions).reward.tolist()
+                if sum(record.seconds) > _MOST_SECONDS:
+                    return msgspec.json.encode(record.observed())
             if not number:
                 record.over = True
                 record.growth = growth(env, halfway, STEPS)
