@@ -60,4 +60,6 @@ def test_a_task_of_ones_own_gets_the_options_of_the_robot_that_it_uses() -> None
     ant = get_task("ant")
     assert tuned("crossq", replace(ant, id="ant-on-ice")) == tuned("crossq", ant)
     assert tuned("crossq", replace(ant, environment="elsewhere:Robot")) == {}
+    longer = replace(ant, template=ant.template + '<joint type="hinge"/>')
+    assert "observed" in tuned("crossq", ant) and "observed" not in tuned("crossq", longer)
     assert tuned("mine", ant) == {}

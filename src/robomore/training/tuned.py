@@ -14,7 +14,7 @@ from robomore.types import TrainerSettings
 _TUNED: dict[str, dict[str, dict[str, Any]]] = {
     "crossq": {
         # An ant that learns well soon learns to stand still, which costs nothing. Held noise and
-        # optimism bring it out of that. Contact forces, from the 28th number on, only disturb.
+        # optimism together bring it out of that. Contact forces begin with the 28th number.
         "robomore.envs.robots.ant:AntEnvironment": {
             "gamma": 0.995,
             "deterministic_env_fraction": 0.5,
@@ -38,6 +38,9 @@ _TUNED: dict[str, dict[str, dict[str, Any]]] = {
 }
 """Options by trainer, then by the class that simulates the robot (`Task.environment`)."""
 
+_JOINTS = 8
+"""Of the ant whose observations `observed` counts."""
+
 
 def tuned(trainer: str, task: Task) -> dict[str, Any]:
     """Return the options that this trainer is given for the robot of this task.
@@ -47,7 +50,11 @@ def tuned(trainer: str, task: Task) -> dict[str, Any]:
         task: any task, also one of your own. It gets a robot's options if it uses that robot's
             environment class.
     """
-    return dict(_TUNED.get(trainer, {}).get(task.environment, {}))
+    options = dict(_TUNED.get(trainer, {}).get(task.environment, {}))
+    # An ant with other joints has its contact forces elsewhere, and sees all.
+    if "observed" in options and task.template.count('type="hinge"') != _JOINTS:
+        del options["observed"]
+    return options
 
 
 def resolve(trainer: TrainerSettings, task: Task) -> TrainerSettings:

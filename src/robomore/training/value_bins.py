@@ -2,7 +2,7 @@
 
 It learns by cross-entropy from the target, smeared by a Gaussian over neighbouring bins (Imani and
 White 2018; Farebrother et al. 2024, "Stop Regressing"). However far a value is off, its gradient is
-bounded, and small differences between values are learnt as fast as large ones.
+bounded.
 """
 
 from __future__ import annotations
