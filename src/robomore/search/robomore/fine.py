@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TypeVar
 
 from robomore.designers.designer import Designer
 from robomore.errors import ProposalFailed
@@ -14,9 +13,8 @@ from robomore.search.method import SearchContext
 from robomore.search.propose import independent
 from robomore.search.robomore.branch import REPEAT, Branch
 from robomore.search.robomore.planning import FINE
+from robomore.search.robomore.turns import KINDS, Kind, Turns
 from robomore.types import Design, Evaluation, Place, Slot, Trial
-
-T = TypeVar("T")
 
 
 def fine(
@@ -28,6 +26,7 @@ def fine(
     patience: int,
     context: SearchContext,
     close_call: float = 0.0,
+    turns: Turns | None = None,
 ) -> list[Evaluation]:
     """Return each survivor's best after refinement, best first (paper, Alg. 1).
 
@@ -45,8 +44,9 @@ def fine(
         context: the objective, and how proposals are asked for side by side.
         close_call: relative difference of two scores up to which a second seed decides; 0 decides
             by one seed, as the paper does.
+        turns: whether the morphology or the reward is next; by default one after the other.
     """
-    objective = context.objective
+    objective, turns = context.objective, turns or Turns()
     branches = [Branch(index, best, list(grid), close_call) for index, best in enumerate(survivors)]
     for cycle in range(max_cycles):
         active = [branch for branch in branches if branch.idle < patience]
@@ -55,35 +55,30 @@ def fine(
         for branch in active:
             branch.idle += 1
 
-        morphologies = _ask(designer.improve_morphology, "morphology", active, cycle, context)
-        designs = [(b, Design(new, b.best.design.reward)) for b, new in morphologies]
-        _advance(evaluate, designs, cycle, "morphology", objective)
-
-        rewards = _ask(designer.improve_reward, "reward", active, cycle, context)
-        designs = [(b, Design(b.best.design.morphology, new)) for b, new in rewards]
-        _advance(evaluate, designs, cycle, "reward", objective)
+        for turn in range(len(KINDS) * cycle, len(KINDS) * (cycle + 1)):
+            kind, index = turns.kind(turn), turns.index(turn)
+            before = [branch.best for branch in active]
+            designs = _ask(designer, kind, active, index, context)
+            _advance(evaluate, designs, index, kind, objective)
+            better = sum(branch.best is not old for branch, old in zip(active, before, strict=True))
+            turns.note(kind, better / len(active))
     branches.sort(key=lambda branch: -(branch.score(objective) or 0.0))
     return [branch.best for branch in branches]
 
 
 def _ask(
-    improve: Callable[[Slot, Evaluation, Sequence[Evaluation]], T],
-    kind: str,
-    active: Sequence[Branch],
-    cycle: int,
-    context: SearchContext,
-) -> list[tuple[Branch, T]]:
-    """Return a proposal for each branch that the designer has one for."""
-    asks = [
-        partial(
-            improve,
-            Slot(FINE, kind, (branch.index, cycle), improves=True),
-            branch.best,
-            tuple(branch.history),
-        )
-        for branch in active
-    ]
-    answers = independent(asks, context.map_fn)
+    designer: Designer, kind: Kind, active: Sequence[Branch], index: int, context: SearchContext
+) -> list[tuple[Branch, Design]]:
+    """Return each branch's best with a new half, where the designer has a proposal for it."""
+
+    def improved(branch: Branch) -> Design:
+        slot = Slot(FINE, kind, (branch.index, index), improves=True)
+        best, history = branch.best, tuple(branch.history)
+        if kind == "morphology":
+            return replace(best.design, morphology=designer.improve_morphology(slot, best, history))
+        return replace(best.design, reward=designer.improve_reward(slot, best, history))
+
+    answers = independent([partial(improved, branch) for branch in active], context.map_fn)
     return [
         (branch, answer)
         for branch, answer in zip(active, answers, strict=True)
@@ -94,8 +89,8 @@ def _ask(
 def _advance(
     evaluate: Evaluate,
     designs: Sequence[tuple[Branch, Design]],
-    cycle: int,
-    changed: str,
+    index: int,
+    changed: Kind,
     objective: str,
 ) -> None:
     """Measure the branches' proposals, close calls twice, and keep what is better."""
@@ -104,7 +99,7 @@ def _advance(
     trials = [
         Trial(
             design,
-            Place(stage=FINE, index=(branch.index, cycle), changed=changed, parent=branch.best.key),
+            Place(stage=FINE, index=(branch.index, index), changed=changed, parent=branch.best.key),
         )
         for branch, design in designs
     ]

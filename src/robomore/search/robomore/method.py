@@ -13,6 +13,7 @@ from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.fine import fine
 from robomore.search.robomore.planning import planned
 from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.search.robomore.turns import Turns
 from robomore.search.starts import Kind
 from robomore.types import Evaluation, finished
 
@@ -68,4 +69,5 @@ class RoboMoRe:
             settings.patience,
             context,
             close_call,
+            Turns(adaptive=settings.order == "adaptive"),
         )

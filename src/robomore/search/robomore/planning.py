@@ -23,6 +23,8 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
     branches = survivor_count(settings.survivors, pairs)
     cycles = settings.max_cycles
     trials, fine_batches = 2 * branches * cycles, 2 * cycles
+    adaptive = settings.order == "adaptive"
+    turns = 2 * cycles if adaptive else cycles
     if settings.improvement == "seeds" and cycles:
         # Each proposal is measured twice at most, and so is what a branch begins with.
         trials, fine_batches = 2 * trials + branches, 2 * fine_batches
@@ -43,11 +45,11 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
             Stage(name=SCREENING, axes=("morphology",), role="screening"),
             Stage(
                 name=FINE,
-                axes=("branch", "cycle"),
-                shape=(branches, cycles),
+                axes=("branch", "turn" if adaptive else "cycle"),
+                shape=(branches, turns),
                 proposals=(
-                    ("improve", "morphology", branches * cycles),
-                    ("improve", "reward", branches * cycles),
+                    ("improve", "morphology", branches * turns),
+                    ("improve", "reward", branches * turns),
                 ),
                 evaluations=trials,
                 steps=trials * candidate.steps,

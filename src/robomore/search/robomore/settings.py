@@ -45,6 +45,9 @@ class RoboMoReSettings:
     patience: Count = 1
     """Cycles in a row without improvement after which a branch ends; 1 in the paper. With more, a
     branch that had bad luck once goes on, with smaller steps, while the budget lasts."""
+    order: Literal["alternate", "adaptive"] = "alternate"
+    """Whose turn it is in the fine stage: `alternate` improves the morphology, then the reward, as
+    the paper does; `adaptive` improves what improved more lately. A cycle has two turns."""
     improvement: Literal["score", "seeds"] = "score"
     """When a proposal of the fine stage counts as better: `score` compares one training each, as
     the paper does; `seeds` trains both designs with a second seed if the call is close, and
