@@ -86,6 +86,43 @@ def test_fine_changes_the_morphology_then_the_reward_and_keeps_what_is_better() 
     ]
 
 
+@pytest.mark.parametrize(
+    ("improving", "kinds"),
+    [
+        # What improves goes on; what does not gives way once, and is tried again later.
+        ("morphology", ["morphology"] * 6),
+        ("reward", ["morphology"] + ["reward"] * 5),
+        ("neither", ["morphology", "reward"] * 3),
+    ],
+)
+def test_adaptive_turns_go_to_what_improves(improving: str, kinds: list[str]) -> None:
+    def score(morphology: float, reward: float) -> float:
+        sign = {"morphology": (1, -1), "reward": (-1, 1), "neither": (-1, -1)}[improving]
+        return sign[0] * morphology + sign[1] * reward
+
+    measuring = Measuring(score)
+    settings = sizes(1, 1, survivors=1.0, max_cycles=3, patience=3, order="adaptive")
+    designer = CountingDesigner()
+    robomore(designer, measuring, settings)
+    places = [batch[0].place for batch in measuring.batches[1:]]
+    assert [place.changed for place in places] == kinds
+    # Each turn has a number of its own, so that two of a kind in a row differ.
+    assert [place.index for place in places] == [(0, turn) for turn in range(6)]
+    asked = [(slot.kind, slot.index) for slot in designer.asked if slot.improves]
+    assert asked == [(place.changed, place.index) for place in places]
+
+
+def test_adaptive_turns_leave_what_has_nothing_more_to_improve() -> None:
+    # The morphology improves three times, and then the reward does.
+    measuring = Measuring(lambda m, r: min(m, 4) - 9 * (m > 4) + (r if m == 4 else 0))
+    settings = sizes(1, 1, survivors=1.0, max_cycles=6, patience=9, order="adaptive")
+    best, *_ = robomore(CountingDesigner(), measuring, settings)
+    changed = [batch[0].place.changed for batch in measuring.batches[1:]]
+    assert changed[:3] == ["morphology"] * 3
+    assert changed.count("reward") >= 5
+    assert numbers(best.design) == (4.0, 10.0 + changed.count("reward"))
+
+
 def test_fine_branches_share_batches_and_stop_one_by_one() -> None:
     measuring = Measuring(lambda morphology, reward: min(morphology, 3) + min(reward, 10))
     starts = [measuring.evaluation_of(design(morphology, 10)) for morphology in (1, 3)]
