@@ -78,6 +78,15 @@ class SlimReference:
         return ranked(evaluate(trials), context.objective)
 
 
+def thinnest(task: Task) -> Morphology:
+    """Return the reference morphology with its radii at the smallest scale that the task allows, or
+    as it is where no radius could be smaller."""
+    try:
+        return slim(task, SlimReferenceSettings())[0]
+    except InputError:
+        return Morphology(task.reference, "the reference, whose radii cannot be scaled down")
+
+
 def slim(task: Task, settings: SlimReferenceSettings) -> list[Morphology]:
     """Return the reference morphology at each scale of its radii, the thinnest first.
 

@@ -33,13 +33,15 @@ def _figures(results: Results) -> dict[str, Draw]:
 
 ABLATION = Study(
     name="ablation",
-    summary="robomore without diversity, morphology, reward, reference reward, or screening",
+    summary="robomore without one of its parts at a time",
     arms=(
         Arm(FULL),
         _without("diversity"),
         _without("morphology"),
         _without("reward"),
         Arm("without-reference-reward", {"method_options": {"reference_reward": "out"}}),
+        Arm("without-slim-reference", {"method_options": {"slim_reference": "out"}}),
+        Arm("without-adaptive-order", {"method_options": {"order": "alternate"}}),
         Arm("without-screening", {"method_options": {"screening": "none"}}),
         Arm("reference", {"method": "reference"}),
     ),

@@ -12,12 +12,12 @@ from robomore.studies.table import Table
 
 SLIM = "slim-reference"
 
-_BEGIN = ("robomore", "cmaes")
+_BEGIN = ("bayesian", "cmaes", "eureka-morphology")
 """Methods that are run once more, from the slimmed human design."""
 
 
 def _arms() -> tuple[Arm, ...]:
-    """Return every method that searches, and two of them from the slimmed human design.
+    """Return every method that searches, with and without the slimmed human design to begin with.
 
     The presets' own method keeps their options for it.
     """
@@ -26,10 +26,10 @@ def _arms() -> tuple[Arm, ...]:
         name: {} if name == "robomore" else {"method": name} for name in names
     }
     own = [Arm(name, change) for name, change in changes.items()]
-    # What a user would do who knows the slimmed human design: begin with it, and that needs no
-    # method of the paper.
+    nothing = Arm("robomore-from-nothing", {"method_options": {"slim_reference": "out"}})
+    # What a user would do who knows the slimmed human design, and `robomore` does by itself.
     begun = [Arm(f"{name}-from-{SLIM}", changes[name], start_from=(SLIM,)) for name in _BEGIN]
-    return (*own, *begun)
+    return (*own, nothing, *begun)
 
 
 def _slim(results: Results) -> dict[str, float]:

@@ -13,6 +13,7 @@ from robomore.search.propose import diverse, filled, independent
 from robomore.search.robomore.planning import COARSE
 from robomore.search.robomore.screening import screened
 from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.search.slim_reference import thinnest
 from robomore.types import Design, Evaluation, Place, Slot, Trial
 
 T = TypeVar("T")
@@ -23,33 +24,37 @@ def coarse(
 ) -> list[Evaluation]:
     """Return the evaluations of the pairs, row by row (paper, Alg. 1, first half).
 
-    A slot that the designer cannot fill leaves its row or column empty. If the reference reward is
-    in, it is the first column.
+    A slot that the designer cannot fill leaves its row or column empty. If the slim reference is
+    in, it is the first row; if the reference reward is in, it is the first column.
 
     Raises:
         NothingTrained: there is not one morphology or not one reward.
     """
 
-    def proposals(ask: Callable[[Slot, Sequence[T]], T], kind: str, count: int) -> dict[int, T]:
+    def proposals(ask: Callable[[Slot, Sequence[T]], T], kind: str, count: int) -> list[T | None]:
+        if not count:
+            return []
         slots = [Slot(COARSE, kind, (index,)) for index in range(count)]
         if designer.reflects:
             found = diverse(ask, slots)
         else:
             found = independent([partial(ask, slot, ()) for slot in slots], context.map_fn)
-        return filled(found, kind)
+        filled_slots = filled(found, kind)
+        return [filled_slots.get(index) for index in range(count)]
 
-    morphologies = proposals(designer.propose_morphology, "morphology", settings.morphologies)
-    rewards = {}
+    morphologies = proposals(
+        designer.propose_morphology, "morphology", settings.proposed_morphologies
+    )
+    if settings.slim_reference == "in":
+        morphologies.insert(0, thinnest(context.task))
+    rewards = proposals(designer.propose_reward, "reward", settings.proposed_rewards)
     if settings.reference_reward == "in":
-        rewards[0] = context.reference.reward
-    if settings.proposed_rewards:
-        first = len(rewards)
-        found = proposals(designer.propose_reward, "reward", settings.proposed_rewards)
-        rewards |= {first + index: reward for index, reward in found.items()}
+        rewards.insert(0, context.reference.reward)
     trials = [
         Trial(Design(morphology, reward), Place(stage=COARSE, index=(i, j)))
-        for i, morphology in morphologies.items()
-        for j, reward in rewards.items()
+        for i, morphology in enumerate(morphologies)
+        for j, reward in enumerate(rewards)
+        if morphology and reward
     ]
     if settings.screening == "none":
         return evaluate(trials)

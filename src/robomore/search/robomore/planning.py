@@ -35,7 +35,7 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
                 axes=("morphology", "reward"),
                 shape=(settings.morphologies, settings.rewards),
                 proposals=(
-                    ("propose", "morphology", settings.morphologies),
+                    ("propose", "morphology", settings.proposed_morphologies),
                     ("propose", "reward", settings.proposed_rewards),
                 ),
                 evaluations=pairs,

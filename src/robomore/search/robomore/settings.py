@@ -38,6 +38,9 @@ class RoboMoReSettings:
     reference_reward: Literal["in", "out"] = "in"
     """Whether the reference reward is one column of the grid and may win; the paper leaves it
     out."""
+    slim_reference: Literal["in", "out"] = "out"
+    """Whether the reference morphology, as thin as the task allows, is one row of the grid; the
+    paper leaves it out. It is what a search for efficiency has to beat."""
     survivors: Fraction = 0.05
     """Fraction of the grid that the fine stage starts from (k); at least one design."""
     max_cycles: Annotated[int, msgspec.Meta(ge=0)] = 10
@@ -82,9 +85,15 @@ class RoboMoReSettings:
             morphologies=1 if one_row else self.morphologies,
             rewards=1 if one_column else self.rewards,
             reference_reward="in" if "reward" in self.without else self.reference_reward,
+            slim_reference="out" if "morphology" in self.without else self.slim_reference,
             max_cycles=0 if "fine" in self.without else self.max_cycles,
             screening="none" if one_row and one_column else self.screening,
         )
+
+    @property
+    def proposed_morphologies(self) -> int:
+        """Rows of the grid that the designer fills."""
+        return self.morphologies - (self.slim_reference == "in")
 
     @property
     def proposed_rewards(self) -> int:
