@@ -13,6 +13,9 @@ from robomore.search.measure import improves, ranked, top
 from robomore.search.robomore.branch import Branch
 from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.fine import fine
+from robomore.search.robomore.method import RoboMoRe
+from robomore.search.slim_reference import thinnest
+from robomore.tasks import get_task
 from robomore.types import Design, Evaluation, Morphology, Reward, Slot, Trial
 from search.fakes import (
     CountingDesigner,
@@ -288,6 +291,35 @@ def test_the_reference_reward_is_the_first_column_and_may_win() -> None:
     assert numbers(best.design) == (2.0, 1.0)
     assert [numbers(t.design)[1] for t in measuring.batches[0]] == [1, 10, 20] * 2
     assert sum(slot.kind == "reward" for slot in designer.asked) == 2
+
+
+def test_the_slim_reference_is_the_first_row_and_may_win() -> None:
+    slim = thinnest(get_task("swimmer"))
+    measuring = Measuring(lambda morphology, reward: -morphology)  # of its first parameter
+    designer = CountingDesigner()
+    settings = sizes(3, 2, slim_reference="in", max_cycles=0)
+    best, *_ = robomore(designer, measuring, settings)
+    assert best.design.morphology == slim
+    rows = [t.design.morphology.parameters for t in measuring.batches[0]]
+    assert rows == [slim.parameters] * 2 + [(1.0,)] * 2 + [(2.0,)] * 2
+    assert [t.place.index for t in measuring.batches[0]] == [
+        (i, j) for i in range(3) for j in (0, 1)
+    ]
+    planned = dict(RoboMoRe(settings).plan(context()).proposals)
+    assert planned["propose", "morphology"] == 2
+    assert sum(slot.kind == "morphology" for slot in designer.asked) == 2
+
+
+@pytest.mark.parametrize("without", ["coarse", "morphology"])
+def test_of_one_row_the_slim_reference_is_all_unless_morphology_is_left_out(without: str) -> None:
+    measuring = Measuring(lambda morphology, reward: 1.0)
+    designer = CountingDesigner()
+    settings = sizes(3, 2, slim_reference="in", max_cycles=0, without=(without,))
+    robomore(designer, measuring, settings)
+    reference = context().reference.morphology
+    only = thinnest(get_task("swimmer")) if without == "coarse" else reference
+    assert {t.design.morphology for t in measuring.batches[0]} == {only}
+    assert all(slot.kind == "reward" for slot in designer.asked)
 
 
 def test_a_grid_of_the_reference_reward_alone_asks_for_no_reward() -> None:

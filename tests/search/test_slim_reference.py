@@ -8,7 +8,7 @@ import pytest
 
 from paper import PAPER
 from robomore.errors import InputError
-from robomore.search.slim_reference import SlimReference, SlimReferenceSettings, slim
+from robomore.search.slim_reference import SlimReference, SlimReferenceSettings, slim, thinnest
 from robomore.tasks import TASKS, get_task
 from robomore.testing.methods import check_method
 
@@ -41,6 +41,13 @@ def test_the_thinnest_is_at_a_bound_or_a_rule() -> None:
     assert get_task("swimmer").named(swimmer.parameters)["front_radius"] == pytest.approx(
         0.017, rel=0.02
     )
+
+
+def test_the_thinnest_is_the_reference_where_no_radius_could_be_smaller() -> None:
+    swimmer = get_task("swimmer")
+    assert thinnest(swimmer) == slim(swimmer, PLAIN)[0]
+    fixed = replace(swimmer, shapes=lambda values: swimmer.solids(swimmer.named(swimmer.reference)))
+    assert thinnest(fixed).parameters == swimmer.reference
 
 
 def test_it_keeps_the_contract() -> None:
