@@ -27,7 +27,8 @@ class Stage:
         axes: what each number of `Place.index` counts. A stage whose axes are `morphology` and
             `reward` is a grid, which is drawn as a heat map.
         shape: the most along each axis.
-        proposals: the most proposals, as (`propose` or `improve`, `morphology` or `reward`, count).
+        proposals: the most proposals, as (`propose` or `improve`, `morphology` or `reward`, count);
+            where a method chooses a kind as it goes, the sum over kinds is the most.
         evaluations: the most evaluations.
         steps: the most control steps of training, over all evaluations together.
         batches: batches of evaluations that have to come one after the other, at most.

@@ -83,7 +83,7 @@ def test_an_estimate_comes_before_the_first_request(robomore_: Command, tmp_path
             *("--out", tmp_path / "out"),
         )
     first, *_, last = err.strip().splitlines()
-    assert "at most about 12 requests" in first and "$0.00" in first
+    assert "at most about 11 requests" in first and "$0.00" in first
     assert status == 2 and "key was refused" in last and KEY not in err
     assert len(script.seen) == 1
 

@@ -21,7 +21,7 @@ def test_a_plan_starts_nothing(robomore_: Command, tmp_path: Path) -> None:
     said = robomore_(*words, "--out", str(tmp_path / "study"))
     assert said.status == 0
     assert "hopper-without-reward-s1" in said.out
-    assert "12 runs, at most 2,400,000 control steps of search" in said.out
+    assert "16 runs, at most 3,200,000 control steps of search" in said.out
     assert not (tmp_path / "study").exists()
 
 

@@ -35,6 +35,7 @@ SMALL = {"morphologies": 3, "rewards": 2, "max_cycles": 1}
             marks=pytest.mark.exhaustive,
         ),
         ("robomore", {**SMALL, "screening": "halving", "reference_reward": "out"}),
+        ("robomore", {**SMALL, "slim_reference": "in", "order": "adaptive"}),
     ],
 )
 def test_our_methods_keep_the_contract(name: str, options: dict[str, Any]) -> None:

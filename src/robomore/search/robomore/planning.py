@@ -47,9 +47,10 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
                 name=FINE,
                 axes=("branch", "turn" if adaptive else "cycle"),
                 shape=(branches, turns),
+                # With adaptive turns it may be more of one and fewer of the other.
                 proposals=(
-                    ("improve", "morphology", branches * turns),
-                    ("improve", "reward", branches * turns),
+                    ("improve", "morphology", branches * cycles),
+                    ("improve", "reward", branches * cycles),
                 ),
                 evaluations=trials,
                 steps=trials * candidate.steps,
