@@ -211,7 +211,7 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
         if not parts:
             continue
         if given.changes == "strength":
-            sizes = [strength_of(robot, motors, name) for name in parts]
+            sizes = [strength_of(model, motors, name) for name in parts]
         else:
             sizes = [getattr(links[name], given.changes) for name in parts]
         reference = max(sizes)
