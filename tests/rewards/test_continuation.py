@@ -154,7 +154,7 @@ def _get_rew(self, x_velocity, action):
 def test_combinations_of_flags_have_names_or_are_refused(more: str, kept: bool) -> None:
     """Python adds one without a name to the class when it is first made."""
     reward = load_reward(FLAGS.format(more=more))
-    said = pytest.raises(RewardFailed, match="changes `E`.*name each combination of members")
+    said = pytest.raises(RewardFailed, match=r"changes `E`.*name each combination of members")
     with nullcontext() if kept else said:
         check_continuation(TASK, TASK.reference, reward)
 
