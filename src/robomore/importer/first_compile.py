@@ -35,6 +35,7 @@ MOST = {
     "motors": ("nu", 500),
     "sensors": ("nsensor", 2_000),
     "tendons": ("ntendon", 500),
+    "vertices of meshes": ("nmeshvert", 300_000),
     "bytes of working memory": ("narena", 2**28),
     "iterations of the solver": ("opt.iterations", 1_000),
     "iterations of the line search": ("opt.ls_iterations", 1_000),

@@ -34,8 +34,8 @@ FLOOR = "floor"
 _MOST_FILE = 16 * 2**20
 """Bytes of a robot's file without what it includes; the largest known has a tenth of it."""
 
-_LONGEST_NAME = 200
-"""Characters of a part's name."""
+_LONGEST_NAME, _LONGEST_ERROR = 200, 1_000
+"""Characters of a part's name, and of what MuJoCo says."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +120,8 @@ def _read(path: Path, base: str | None) -> Robot:
         check_sizes(path.name, ET.fromstring(text))
         check_amounts(str(path), mujoco.MjSpec.from_string(text, assets=assets).compile())
     except (ValueError, OSError) as error:
-        raise InputError(f"{path} is no robot that MuJoCo reads: {error}") from None
+        said = str(error)[:_LONGEST_ERROR]  # it repeats names of files of any length
+        raise InputError(f"{path} is no robot that MuJoCo reads: {said}") from None
     return Robot(text, assets, home, upright, tuple(notes))
 
 
