@@ -17,7 +17,7 @@ def sanitize(text: str) -> str:
     Control and bidirectional characters are replaced; line feeds and tabs are kept. Any other space
     becomes a plain one.
     """
-    if text.isprintable():
+    if text.replace("\n", "").replace("\t", "").isprintable():
         return text
     return "".join(c if c.isprintable() or c in "\n\t" else _plain(c) for c in text)
 

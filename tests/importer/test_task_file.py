@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import mujoco
@@ -159,7 +160,31 @@ MISTAKES = {
         '[[actuator]]\njoints = ["FL_hip"]\nkind = "motor"\ntorque = 1e12\n[[parameter]]\n',
         r"torque = 1e\+12; give a number",
     ),
+    "bounds without an end": ("high = 0.4", "high = inf", r"high = inf.*1e\+06 at most"),
+    "a number of many digits": ("control_hz = ", "control_hz = " + "9" * 10_000, "is no TOML"),
+    "a key of many tables": ('mass = "length"', "a" + ".a" * 100 + " = 1", "a key with 30 dots"),
+    "a long file": ('mass = "length"', "#" * 2**20, "has more than 1 MiB"),
+    "a long id": ('id = "dog"', f'id = "{"d" * 80}"', "give one of letters.*64 at most"),
+    "many terms": (
+        'fitness = "distance"',
+        "fitness = [" + '{measure = "distance"},' * 101 + "]",
+        "fitness has 101 terms; give 100 at most",
+    ),
+    "a target nowhere": (
+        "[[parameter]]\n",
+        '[target]\npart = "FL_calf"\nposition = [0, nan, 0]\n[[parameter]]\n',
+        r"position = \[0.0, nan, 0.0\]; give x, y, z from -1000 to 1000 m",
+    ),
 }
+
+
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    for name in ("task.toml", "robot.xml"):
+        os.mkfifo(tmp_path / name)
+    with pytest.raises(InputError, match=r"task\.toml cannot be read"):
+        get_task(str(tmp_path / "task.toml"))
+    with pytest.raises(InputError, match="there is no file"):
+        read_robot(tmp_path / "robot.xml")
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)

@@ -19,6 +19,7 @@ KEY = "sk-test-0123456789abcdef"
 
 Step = (
     str
+    | bytes
     | tuple[str, str | Callable[[dict[str, Any]], dict[str, int]]]
     | Callable[[dict[str, Any]], str]
 )
@@ -29,9 +30,9 @@ class Script:
     """What the server does with each request in turn; the last entry is repeated.
 
     Attributes:
-        steps: names of `_Handler` methods, (`say`, text), (`counted`, a function of the request's
-            body that returns the usage), or functions of the body that return the text; these may
-            be asked side by side.
+        steps: names of `Handler` methods, (`say`, text), (`counted`, a function of the request's
+            body that returns the usage), functions of the body that return the text, which may be
+            asked side by side, or bytes that are sent as they are, after which the server hangs up.
         seen: bodies of the requests, in order.
         keys: the authorization of each request.
     """
@@ -42,7 +43,17 @@ class Script:
     stop: threading.Event = field(default_factory=threading.Event)
 
 
-class _Handler(BaseHTTPRequestHandler):
+def raw(status: str, *headers: str, body: bytes = b"{}") -> bytes:
+    """Return an answer as bytes; its length is told unless `headers` say something of it."""
+    told = any(one.lower().startswith(("content-length", "transfer")) for one in headers)
+    length = [] if told else [f"content-length: {len(body)}"]
+    head = [f"HTTP/1.1 {status}", "content-type: application/json", *headers, *length]
+    return "\r\n".join(head).encode("latin-1") + b"\r\n\r\n" + body
+
+
+class Handler(BaseHTTPRequestHandler):
+    """Does what its script says."""
+
     protocol_version = "HTTP/1.1"
     script: Script
 
@@ -55,7 +66,11 @@ class _Handler(BaseHTTPRequestHandler):
         self.script.seen.append(body)
         self.script.keys.append(self.headers.get("authorization", ""))
         step = self.script.steps[min(number, len(self.script.steps) - 1)]
-        if isinstance(step, tuple) and callable(step[1]):
+        if isinstance(step, bytes):
+            self.close_connection = True
+            with contextlib.suppress(OSError):
+                self.wfile.write(step)
+        elif isinstance(step, tuple) and callable(step[1]):
             self.say(usage=step[1](body))
         elif isinstance(step, tuple):
             self.say(step[1])
@@ -158,9 +173,6 @@ class _Handler(BaseHTTPRequestHandler):
 
     def message_as_list(self) -> None:
         self.say(choices=[{"index": 0, "message": ["x"], "finish_reason": "stop"}])
-
-    def usage_as_text(self) -> None:
-        self.say(usage={"prompt_tokens": "many", "completion_tokens": [], "total_tokens": None})
 
     def not_an_object(self) -> None:
         self.send(200, "[1, 2, 3]")
@@ -292,7 +304,7 @@ class _Handler(BaseHTTPRequestHandler):
 def serve(*steps: Step) -> Iterator[tuple[str, Script]]:
     """Serve `steps` in turn; gives the base URL and what was seen."""
     script = Script(list(steps))
-    handler = type("Handler", (_Handler,), {"script": script})
+    handler = type("Scripted", (Handler,), {"script": script})
     server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
     server.daemon_threads = True
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})

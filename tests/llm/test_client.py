@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import gzip
+import json
 import resource
 import sys
 
 import pytest
-from loopback import KEY, serve
+from loopback import KEY, Handler, raw, serve
 
 from robomore.errors import InputError, ModelUnavailable
 from robomore.llm import (
@@ -34,6 +36,7 @@ SCHEMA = {
     "required": ["length"],
     "additionalProperties": False,
 }
+COUNTED = {"prompt_tokens": 90, "completion_tokens": 20, "total_tokens": 110}
 PLAIN = Request(
     Slot("coarse", "reward", (0,)), 0, (Message("system", "be brief"), Message("user", "ready?"))
 )
@@ -137,7 +140,6 @@ def test_a_stall_is_given_up_and_tried_again(fault: str) -> None:
         ("choices_as_text", "cannot be read"),
         ("choices_as_numbers", "cannot be read"),
         ("message_as_list", "cannot be read"),
-        ("usage_as_text", "cannot be read"),
         ("not_an_object", "is no JSON"),
         ("busy", "busy: slow down"),
         ("busy_for_an_hour", "asks to wait 3600 s"),
@@ -150,6 +152,82 @@ def test_a_lasting_fault_ends_in_one_line(fault: str, said: str) -> None:
             model.complete(PLAIN)
     assert "\n" not in str(caught.value) and "run the same command" in str(caught.value)
     assert len(script.seen) == (1 if fault == "busy_for_an_hour" else 2)
+
+
+@pytest.mark.parametrize(
+    "status", ["301 Moved", "302 Found", "303 Other", "307 Temporary", "308 Permanent"]
+)
+def test_no_redirect_is_followed(status: str) -> None:
+    """Neither to another server, which would get the key, nor to a file, nor in a circle."""
+    with serve("say") as (elsewhere, other):
+        for place in (elsewhere, "file:///etc/passwd", "/v1/chat/completions", "http://[::1", ""):
+            with serve(raw(status, f"location: {place}")) as (url, script):
+                model, waits = model_at(url)
+                with pytest.raises(InputError, match=r"elsewhere \(HTTP 30") as caught:
+                    model.complete(PLAIN)
+            assert (len(script.seen), waits) == (1, [])
+            assert place in str(caught.value) and "name it with --base-url" in str(caught.value)
+        assert other.seen == []
+
+
+@pytest.mark.parametrize(
+    ("said", "waits"),
+    [
+        ("-5", False),
+        ("nan", False),
+        ("1e9", False),
+        ("\xb2", False),
+        ("9" * 400, False),
+        ("Mon, 01 Jan 0001 00:00:00 GMT", False),
+        ("Fri, 31 Dec 9999 23:59:59 GMT", True),
+    ],
+)
+def test_no_retry_after_stops_a_run_in_silence(said: str, waits: bool) -> None:
+    """What is no time is not waited for. A time that is far away ends the run at once."""
+    with serve(raw("429 Busy", f"retry-after: {said}"), "say") as (url, _):
+        model, waited = model_at(url)
+        if waits:
+            with pytest.raises(ModelUnavailable, match="asks to wait"):
+                model.complete(PLAIN)
+            assert waited == []
+        else:
+            assert model.complete(PLAIN).reply == "ready"
+            assert len(waited) == 1 and 0 < waited[0] < 10
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        raw("200 OK", body=b""),
+        raw("200 OK", body=b'{"choices": "\xff\xfe\xc3("}'),
+        raw("200 OK", "content-length: 1000"),
+        raw("200 OK", "content-length: -5"),
+        raw("200 OK", "content-length: 2", "content-length: 3"),
+        raw("200 OK", "transfer-encoding: chunked", body=b"zz\r\n{}"),
+        raw("200 OK", "transfer-encoding: chunked", body=b"fffffffffffffff\r\n{}"),
+        raw("200 OK", "x: " + "a" * 10_000_000),
+        raw("200 OK", *["x: a"] * 200_000),
+        raw("200 OK", "content-encoding: gzip", body=b"no gzip"),
+        raw("204 No Content", body=b""),
+        raw("-1 What"),
+        b"SSH-2.0-OpenSSH\r\n",
+        b"",
+    ],
+    ids=lambda sent: sent[:60].decode("latin-1").partition("\r")[0],
+)
+def test_what_is_no_answer_is_tried_again(sent: bytes) -> None:
+    with serve(sent, "say") as (url, _):
+        completion = model_at(url)[0].complete(PLAIN)
+    assert (completion.reply, completion.tries) == ("ready", 2)
+
+
+@pytest.mark.parametrize("after", [b" " * 9_000_000, b"\0\0\0\xff\xff" * 1_800_000])
+def test_a_body_that_decompresses_to_nothing_has_an_end(after: bytes) -> None:
+    """What follows the end of compressed data, and empty blocks within it."""
+    whole = gzip.compress(b"{}") if after[:1] == b" " else gzip.compress(b"")[:10]
+    answer = raw("200 OK", "content-encoding: gzip", body=whole + after)
+    with serve(answer) as (url, _), pytest.raises(InputError, match="more than 8 MiB"):
+        model_at(url)[0].complete(PLAIN)
 
 
 def test_nobody_listens() -> None:
@@ -303,6 +381,43 @@ def test_a_cut_prompt_is_noticed(read: int, cut: bool, caplog: pytest.LogCapture
     warned = [r.message for r in caplog.records if "cuts prompts" in r.message]
     assert len(warned) == cut and bool(found) == cut
     assert not cut or ("OLLAMA_CONTEXT_LENGTH" in found and f"{read:,} tokens" in found)
+
+
+@pytest.mark.filterwarnings("error:Failed to extract usage")
+@pytest.mark.parametrize(
+    "usage",
+    [
+        {"prompt_tokens": "many", "completion_tokens": [], "total_tokens": None},
+        {"prompt_tokens": -5, "completion_tokens": -(10**30), "total_tokens": 0},
+        {"prompt_tokens": 10**300, "completion_tokens": 10**18, "total_tokens": 3},
+        {"prompt_tokens": {"a": {"b": [1]}}, "completion_tokens": 5, "total_tokens": 5},
+        {"prompt_tokens": 5.5, "completion_tokens": 1e300, "total_tokens": 5},
+        {"prompt_tokens": True, "completion_tokens": False, "total_tokens": 1},
+        {"total_tokens": 5},
+        {**COUNTED, "prompt_tokens_details": {"cached_tokens": -9}},
+        {**COUNTED, "completion_tokens_details": {"reasoning_tokens": 10**40}},
+        {**COUNTED, "prompt_tokens_details": "x"},
+        {},
+        [1],
+        5,
+        "many",
+    ],
+    ids=str,
+)
+def test_an_odd_usage_is_estimated_in_silence(usage: object) -> None:
+    answer = json.dumps(Handler.answer("ready") | {"usage": usage}).encode()
+    with serve(raw("200 OK", body=answer)) as (url, _):
+        completion = model_at(url)[0].complete(PLAIN)
+    assert (completion.reply, completion.tries) == ("ready", 1)
+    assert 0 < completion.input_tokens < 100 and 0 < completion.output_tokens < 10
+
+
+def test_a_usage_with_more_than_counts_is_read() -> None:
+    usage = COUNTED | {"prompt_tokens_details": {"cached_tokens": 3}, "tier": "standard"}
+    answer = json.dumps(Handler.answer("ready") | {"usage": usage}).encode()
+    with serve(raw("200 OK", body=answer)) as (url, _):
+        completion = model_at(url)[0].complete(PLAIN)
+    assert (completion.input_tokens, completion.output_tokens) == (90, 20)
 
 
 @pytest.mark.parametrize("field", ["prompt_tokens", "completion_tokens"])

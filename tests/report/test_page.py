@@ -406,6 +406,9 @@ def test_an_axis_stands_where_it_should() -> None:
     assert Axis(0.0, 1.0, 0.0, 1.0).ticks() == pytest.approx([0, 0.2, 0.4, 0.6, 0.8, 1.0])
     flat = axis_around([5.0, 5.0], 0.0, 1.0)
     assert flat.low < 5.0 < flat.high
+    for extreme in ([1e308, -1e308], [1e308, 1e308], [1e200, 1e300], [-1e308, 0.0]):
+        wide = axis_around(extreme, 0.0, 1.0)
+        assert wide.ticks() and all(0.0 <= wide.at(value) <= 1.0 for value in extreme)
 
 
 def test_text_that_is_no_python_stays_as_it_is() -> None:

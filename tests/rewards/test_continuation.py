@@ -6,6 +6,7 @@ import gc
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
 from statistics import fmean
@@ -133,6 +134,29 @@ def test_all_that_can_be_held_in_a_place_survives(holder: str) -> None:
 def test_what_is_kept_late_survives(place: str) -> None:
     expected = Replay(LATE_KEPT[place]).rewards(range(STEPS))
     assert continued(LATE_KEPT[place], pauses=(9, 35))[0] == expected
+
+
+FLAGS = """
+from enum import Flag
+class E(Flag):
+    A = 1
+    B = 2
+    {more}
+n = [0]
+def _get_rew(self, x_velocity, action):
+    n[0] += 1
+    self.way = E.A | E.B if n[0] > 10 else E.A
+    return x_velocity + len(self.way), {{"forward": x_velocity}}
+"""
+
+
+@pytest.mark.parametrize(("more", "kept"), [("AB = 3", True), ("", False)])
+def test_combinations_of_flags_have_names_or_are_refused(more: str, kept: bool) -> None:
+    """Python adds one without a name to the class when it is first made."""
+    reward = load_reward(FLAGS.format(more=more))
+    said = pytest.raises(RewardFailed, match=r"changes `E`.*name each combination of members")
+    with nullcontext() if kept else said:
+        check_continuation(TASK, TASK.reference, reward)
 
 
 @pytest.fixture

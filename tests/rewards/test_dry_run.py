@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from robomore.errors import RewardFailed
+from robomore.rewards import dry_run
 from robomore.rewards.dry_run import (
     NUM_ENVS,
     RANDOM_MORPHOLOGIES,
@@ -197,6 +198,16 @@ def test_a_constant_reward_is_an_error() -> None:
     found, *_ = findings(tried(program("return 1.0, {'alive': 1.0}")), SOURCE)
     assert found.severity == "error"
     assert f"same number (1) in all {NUM_ENVS * STEPS} steps" in found.message
+
+
+def test_a_slow_reward_is_not_tried_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dry_run, "_MOST_SECONDS", 0.1)
+    monkeypatch.setattr(dry_run, "check_continuation", lambda *given: pytest.fail("tried further"))
+    slow = program("x = sum(range(2_000_000)) * 0.0 + x_velocity", "return x, {'forward': x}")
+    seen = tried(slow)
+    assert 0 < seen.calls < NUM_ENVS * STEPS / 2
+    found, *_ = findings(seen, SOURCE)
+    assert found.severity == "error" and "one call takes" in found.message
 
 
 def test_each_simulation_has_a_reward_of_its_own() -> None:

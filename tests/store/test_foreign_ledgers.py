@@ -15,7 +15,7 @@ from robomore.errors import LedgerDamaged, LedgerError
 from robomore.llm import Exchange, Message, Sampling
 from robomore.store import Ledger, LedgerExchanges, open_or_recover, rows
 from robomore.store.rows import digest
-from robomore.store.schema import TABLES, Proposal
+from robomore.store.schema import TABLES, Proposal, check_numbers
 from robomore.types import Evaluation, Morphology, Place, Reward, Slot, Status
 
 ENDLESS = "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x FROM n) SELECT x FROM n"
@@ -210,3 +210,9 @@ def test_one_evaluation_in_many_places_is_read_once(
             ledger.add_place(Place(stage="fine", index=(index,)), GOOD.key)
         monkeypatch.setattr(rows, "MOST_NUMBERS", 1500)
         assert len(ledger.placed()) == 51
+
+
+def test_an_evaluation_of_very_many_numbers_is_refused() -> None:
+    many = {f"measure {number}": 1.0 for number in range(2_000)}
+    with pytest.raises(ValueError, match=r"2,0\d\d named numbers \(the most is 2,000\)"):
+        check_numbers(replace(GOOD, behaviour=many, body={"mass": 1.0}))

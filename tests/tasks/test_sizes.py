@@ -71,7 +71,7 @@ def test_repeats_within_repeats_have_a_limit_together() -> None:
     template = "<geom/>"
     for _ in range(5):
         template = f'<repeat count="64">{template}</repeat>'
-    with pytest.raises(InvalidMorphology, match="more than 20,000 parts"):
+    with pytest.raises(InvalidMorphology, match="more than 2,000 parts"):
         expanded(f"<mujoco>{template}</mujoco>", {})
 
 

@@ -31,7 +31,8 @@ _LONGEST = 500
 
 _NOT_KEPT = (
     "all simulations share and no checkpoint holds; keep it in an attribute of `self`, or in an "
-    "object of your own, and draw from `self.np_random` alone"
+    "object of your own, draw from `self.np_random` alone, and name each combination of members of "
+    "an `enum.Flag` in its class"
 )
 
 _NAMES = "a name is one line of printable characters;"

@@ -191,10 +191,10 @@ def _overlaps(
     data = mujoco.MjData(model)
     data.qpos[:] = rest_pose(model, home, upright)
     mujoco.mj_forward(model, data)
-    pairs: list[tuple[str, str]] = []
+    pairs: dict[tuple[str, str], None] = {}  # in their order
     for contact in data.contact:
         one, other = (int(model.geom_bodyid[geom]) for geom in contact.geom)
         pair = (model.body(one).name, model.body(other).name)
-        if contact.dist < 0 and one and other and pair not in pairs:
-            pairs.append(pair)
-    return pairs
+        if contact.dist < 0 and one and other:
+            pairs[pair] = None
+    return list(pairs)

@@ -31,12 +31,16 @@ def propose_motors(model: mujoco.MjModel) -> tuple[MotorGroup, ...]:
     """
     if model.nu:
         return ()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    feet = [model.body(name).id for name in contact_names(model).values()]
+    carriers = _carriers(model, data, feet)
     found: dict[tuple[str, str, float], list[str]] = {}
     for joint in range(model.njnt):
         if int(model.jnt_type[joint]) in SIMPLE_JOINTS:
             name = model.joint(joint).name
             which = "servo" if model.jnt_limited[joint] else "motor"
-            torque = float(f"{_torque(model, joint):.2g}")
+            torque = float(f"{_torque(model, data, carriers, joint):.2g}")
             found.setdefault((kind(name), which, torque), []).append(name)
     return tuple(_group(joints, which, torque) for (_, which, torque), joints in found.items())
 
@@ -50,14 +54,13 @@ def _group(joints: Sequence[str], which: str, torque: float) -> MotorGroup:
     return MotorGroup(tuple(joints), "servo", torque, stiffness, damping, armature)
 
 
-def _torque(model: mujoco.MjModel, joint: int) -> float:
-    """Return the torque in N·m that a joint needs."""
+def _torque(
+    model: mujoco.MjModel, data: mujoco.MjData, carriers: Sequence[int], joint: int
+) -> float:
+    """Return the torque in N·m that a joint needs in a pose, to carry or to stand on carriers."""
     stated = float(model.jnt_actfrcrange[joint, 1])
     if model.jnt_actfrclimited[joint] and stated > 0:
         return stated
-    data = mujoco.MjData(model)
-    data.qpos[:] = model.qpos0
-    mujoco.mj_forward(model, data)
     body = int(model.jnt_bodyid[joint])
     below = [b for b in range(model.nbody) if _is_below(model, b, body)]
     ends = [data.geom_xpos[g] for g in range(model.ngeom) if model.geom_bodyid[g] in below]
@@ -65,8 +68,6 @@ def _torque(model: mujoco.MjModel, joint: int) -> float:
     anchor = data.xanchor[joint]
     reach = max(float(np.linalg.norm(end - anchor)) for end in ends)
     carried = _GRAVITY * float(model.body_subtreemass[body]) * reach / 2
-    feet = [model.body(name).id for name in contact_names(model).values()]
-    carriers = _carriers(model, data, feet)
     standing = 0.0
     if model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE and set(below) & set(carriers):
         weight = _GRAVITY * float(model.body_subtreemass[0])

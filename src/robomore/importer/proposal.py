@@ -140,7 +140,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         lines += ["[target]", f"part = {_text(_tip(model))}", f"position = {_place(model)}", ""]
     for group in motors:
         lines += _actuator(group)
-    found = _parameters(robot, model, motors)
+    found = _parameters(model, motors)
     for parameter in _chosen(found, free):
         lines += parameter
     return "\n".join(lines).rstrip() + "\n"
@@ -162,7 +162,7 @@ def _goal(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> list[str]:
 
 
 def _parameters(
-    robot: Robot, model: mujoco.MjModel, motors: Sequence[MotorGroup]
+    model: mujoco.MjModel, motors: Sequence[MotorGroup]
 ) -> dict[str, tuple[bool, list[str]]]:
     """Return all parameters by name: whether one is free by default, and its lines."""
     links = groups(find_links(model), model)
@@ -185,7 +185,7 @@ def _parameters(
     for joint in range(model.njnt):
         if int(model.jnt_type[joint]) in SIMPLE_JOINTS:
             joint_name = model.joint(joint).name
-            if strength := strength_of(robot, motors, joint_name):
+            if strength := strength_of(model, motors, joint_name):
                 strengths.setdefault((kind(joint_name), strength), []).append(joint_name)
     for (name, strength), joints in strengths.items():
         lines = _parameter(

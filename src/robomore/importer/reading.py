@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
+import os
 import re
 import warnings
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 import mujoco
 import numpy as np
 
 from robomore.errors import InputError
+from robomore.importer.first_compile import (
+    answer,
+    can_be_compiled,
+    check_amounts,
+    compile_first,
+)
 from robomore.tasks.meshes import MOST_BYTES, check_meshes
+from robomore.tasks.sizes import check_sizes
 
 SIMPLE_JOINTS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 """Types of joints with one position and one velocity."""
 
 FLOOR = "floor"
 """Name of the ground, which is ours: a plane at height 0."""
+
+
+_MOST_FILE = 16 * 2**20
+"""Bytes of a robot's file without what it includes; the largest known has a tenth of it."""
+
+_LONGEST_NAME, _LONGEST_ERROR = 200, 1_000
+"""Characters of a part's name, and of what MuJoCo says."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +70,36 @@ def read_robot(path: Path, base: str | None = None) -> Robot:
             what an MJCF file says and makes the root of a URDF file free.
 
     Raises:
-        InputError: the file cannot be read, or holds no robot.
+        InputError: the file cannot be read, holds no robot, or one that takes too much to compile.
     """
-    notes: list[str] = []
     if not path.is_file():
         raise InputError(f"there is no file {path}; name the robot's MJCF or URDF file")
+    try:
+        with path.open("rb") as file:
+            content = file.read(_MOST_FILE + 1)
+    except OSError as error:
+        raise InputError(f"{path} cannot be read ({error.strerror})") from None
+    if len(content) > _MOST_FILE:
+        raise InputError(
+            f"{path} has more than {_MOST_FILE >> 20} MiB; keep meshes in files of their own"
+        )
+    payload = msgspec.json.encode((str(path), str(Path.cwd()), base))
+    compile_first(str(path), f"{__name__}:_read_apart", payload, content)
+    robot = _read(path, base)
+    can_be_compiled(robot.xml.encode())  # which `robomore new` writes and reads back
+    return robot
+
+
+def _read_apart(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes:
+    """Read a robot; runs in the process with limits."""
+    name, folder, base = msgspec.json.decode(payload, type=tuple[str, str, str | None])
+    os.chdir(folder)
+    return answer(lambda: _read(Path(name), base))
+
+
+def _read(path: Path, base: str | None) -> Robot:
+    """Read a robot as `read_robot` does, without limits."""
+    notes: list[str] = []
     try:
         spec = _urdf(path) if path.suffix == ".urdf" else mujoco.MjSpec.from_file(str(path))
         root = _one_robot(spec, notes)
@@ -74,9 +117,11 @@ def read_robot(path: Path, base: str | None = None) -> Robot:
             warnings.simplefilter("ignore")
             spec.compile()
             text = spec.to_xml()
-        mujoco.MjSpec.from_string(text, assets=assets).compile()
+        check_sizes(path.name, ET.fromstring(text))
+        check_amounts(str(path), mujoco.MjSpec.from_string(text, assets=assets).compile())
     except (ValueError, OSError) as error:
-        raise InputError(f"{path} is no robot that MuJoCo reads: {error}") from None
+        said = str(error)[:_LONGEST_ERROR]  # it repeats names of files of any length
+        raise InputError(f"{path} is no robot that MuJoCo reads: {said}") from None
     return Robot(text, assets, home, upright, tuple(notes))
 
 
@@ -244,6 +289,13 @@ def _name_parts(spec: mujoco.MjSpec) -> None:
     for number, motor in enumerate(spec.actuators):
         if not motor.name:
             motor.name = motor.target or f"motor_{number}"
+    named = (*spec.bodies, *spec.geoms, *spec.joints, *spec.sites, *spec.meshes, *spec.sensors)
+    for part in (*named, *spec.actuators, *spec.tendons):
+        if len(part.name) > _LONGEST_NAME or not part.name.isprintable():
+            raise ValueError(
+                f"a part is called {part.name[:80]!r}; give it a name of at most {_LONGEST_NAME} "
+                "characters, all of which can be printed"
+            )
 
 
 def _drop_sensors(spec: mujoco.MjSpec, notes: list[str]) -> None:

@@ -7,21 +7,19 @@ from collections.abc import Sequence
 import mujoco
 
 from robomore.importer.edits import MotorGroup
-from robomore.importer.reading import Robot
 
 
-def strength_of(robot: Robot, motors: Sequence[MotorGroup], joint: str) -> float:
+def strength_of(model: mujoco.MjModel, motors: Sequence[MotorGroup], joint: str) -> float:
     """Return the largest torque in N·m (or force in N) on a joint; 0 where nothing limits it.
 
     Args:
-        robot: with motors of its own, perhaps.
+        model: of a robot with motors of its own, perhaps.
         motors: that are added.
         joint: its name.
     """
     for group in motors:
         if joint in group.joints:
             return group.torque
-    model = robot.spec().compile()
     number = model.joint(joint).id
     found = 0.0
     for motor in range(model.nu):

@@ -29,6 +29,7 @@ from pydantic_ai.settings import ModelSettings
 
 from robomore.errors import InputError
 from robomore.llm.errors import SchemaRefused, translate
+from robomore.llm.http import MOST_TOKENS
 from robomore.llm.model import Completion, Message, Request, Sampling, do_nothing
 from robomore.llm.redaction import redact
 from robomore.llm.retry import RetryPolicy, retry
@@ -37,10 +38,6 @@ from robomore.llm.tokens import estimate_prompt, estimate_tokens
 _log = logging.getLogger(__name__)
 
 T = TypeVar("T")
-
-_MOST_TOKENS = 10**8
-"""Tokens of a prompt or of an answer. A server that reports more is wrong, and its number would
-use up every budget at once."""
 
 
 class PydanticAIModel:
@@ -96,7 +93,7 @@ class PydanticAIModel:
         text, ending = _content(response)
         usage = response.usage
         input_tokens, output_tokens = usage.input_tokens, usage.output_tokens
-        counted = 0 < input_tokens <= _MOST_TOKENS and 0 <= output_tokens <= _MOST_TOKENS
+        counted = 0 < input_tokens <= MOST_TOKENS and 0 <= output_tokens <= MOST_TOKENS
         if usage.unmeasured_requests or not counted:
             input_tokens = estimate_prompt(request.messages)
             output_tokens = estimate_tokens(text)

@@ -22,7 +22,7 @@ from pydantic_ai.exceptions import (
 )
 
 from robomore.errors import InputError, ModelUnavailable
-from robomore.llm.http import AnswerTooLarge, WebPage
+from robomore.llm.http import AnswerTooLarge, Redirected, WebPage
 from robomore.llm.redaction import public_url, redact_error
 from robomore.llm.retry import TransientError
 
@@ -54,6 +54,12 @@ def translate(error: Exception, name: str, url: str, structured: bool, reached: 
     for cause in _causes(error):
         if isinstance(cause, AnswerTooLarge):
             return InputError(f"{name} sent {cause}; {url} is no server of language models")
+        if isinstance(cause, Redirected):
+            return InputError(
+                f"{url} sends requests elsewhere ({_short(str(cause))}); nothing follows, because "
+                "requests carry your key; if you trust that server, name it with --base-url (for "
+                "ollama: OLLAMA_BASE_URL)"
+            )
         if isinstance(cause, WebPage):
             said = f"{url} sent a web page ({_short(str(cause))!r}) in the place of an answer"
             if reached:

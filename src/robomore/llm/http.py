@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 import zlib
 from collections.abc import AsyncIterator
+from typing import Any
 
 import httpx2
 
@@ -17,6 +19,16 @@ MOST_VALUES = 5_000
 """Values in the JSON of an answer. Those of models have some dozens; a provider's library needs
 0.3 ms for each alternative answer."""
 
+MOST_TOKENS = 10**8
+"""Tokens of a prompt or of an answer. A server that reports more is wrong, and its number would
+use up every budget at once."""
+
+_COUNTS = (
+    {"prompt_tokens", "completion_tokens", "total_tokens"},
+    {"input_tokens", "output_tokens"},
+)
+"""What the usage in an answer counts at least, by protocol."""
+
 # What is not closed reaches to the end, so that no text is read again and again.
 _TEXT = re.compile(rb'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 _MARKUP = re.compile(r"<(script|style)\b.*?(?:</\1\s*>|\Z)|<[^>]*+>?", re.DOTALL | re.IGNORECASE)
@@ -24,6 +36,10 @@ _MARKUP = re.compile(r"<(script|style)\b.*?(?:</\1\s*>|\Z)|<[^>]*+>?", re.DOTALL
 
 class AnswerTooLarge(Exception):
     """A server sent more bytes or values than an answer has, or an encoding nobody asked for."""
+
+
+class Redirected(Exception):
+    """A server wants the request, and the key in it, to go elsewhere; it says where."""
 
 
 class WebPage(Exception):
@@ -41,6 +57,9 @@ def make_client(timeout: float) -> httpx2.AsyncClient:
 
 async def _bound(response: httpx2.Response) -> None:
     """Let the body be decompressed and counted piece by piece, before anybody reads it."""
+    if 300 <= response.status_code < 400:
+        where = response.headers.get("location", "nowhere")
+        raise Redirected(f"HTTP {response.status_code} to {where[:200]}")
     encoding = response.headers.pop("content-encoding", "identity").strip().lower()
     if encoding not in ("", "identity", "gzip", "x-gzip", "deflate"):
         raise AnswerTooLarge(f"an answer in the encoding {encoding[:20]!r}")
@@ -58,23 +77,26 @@ class _Bounded(httpx2.AsyncByteStream):
         self._success = success
         # 32 is added so that zlib finds out whether the data is gzip or deflate.
         self._decompressor = zlib.decompressobj(zlib.MAX_WBITS + 32) if compressed else None
-        self._left = LARGEST_ANSWER
+        # Both are counted: much can be made of little, and nothing of much.
+        self._left = self._left_raw = LARGEST_ANSWER
 
     async def __aiter__(self) -> AsyncIterator[bytes]:
-        parts: list[bytes] = []
+        body = bytearray()  # a list of pieces would take 40 bytes for each piece of one byte
         async for raw in self._stream:
             part = raw
+            self._left_raw -= len(raw)
             if self._decompressor is not None:
                 # Of what does not fit, one byte is enough to notice it.
                 part = self._decompressor.decompress(raw, self._left + 1)
             self._left -= len(part)
-            if self._left < 0:
+            if min(self._left, self._left_raw) < 0:
                 raise AnswerTooLarge(f"an answer of more than {LARGEST_ANSWER // 2**20} MiB")
-            parts.append(part)
-        body = b"".join(parts)
+            body += part
         if self._success:
-            _check(body)
-        yield body
+            _check(bytes(body))
+            yield _without_odd_usage(bytes(body))
+        else:
+            yield bytes(body)
 
     async def aclose(self) -> None:
         await self._stream.aclose()
@@ -93,3 +115,34 @@ def _check(body: bytes) -> None:
     bare = _TEXT.sub(b"", body)
     if (values := bare.count(b",") + bare.count(b"{") + bare.count(b"[")) > MOST_VALUES:
         raise AnswerTooLarge(f"an answer of {values:,} values (the most is {MOST_VALUES:,})")
+
+
+def _without_odd_usage(body: bytes) -> bytes:
+    """Return an answer without counts of tokens that cannot be true, which are estimated then."""
+    try:
+        answer = json.loads(body)
+    except (ValueError, RecursionError):
+        return body  # The library says what is wrong with it.
+    usage = answer.get("usage") if isinstance(answer, dict) else None
+    if usage is None or _counts(usage):
+        return body
+    del answer["usage"]
+    return json.dumps(answer).encode()
+
+
+def _counts(usage: Any) -> bool:
+    """Return whether a usage holds the counts of a protocol, and no count that cannot be true."""
+    if not isinstance(usage, dict) or not any(
+        all(_is_count(usage.get(name)) for name in names) for names in _COUNTS
+    ):
+        return False
+    details = [part for name, part in usage.items() if name.endswith("_details")]
+    tables = [usage, *(part for part in details if isinstance(part, dict))]
+    given = [one for table in tables for name, one in table.items() if name.endswith("_tokens")]
+    return all(part is None or isinstance(part, dict) for part in details) and all(
+        one is None or _is_count(one) for one in given
+    )
+
+
+def _is_count(value: Any) -> bool:
+    return type(value) in (int, float) and 0 <= value <= MOST_TOKENS and value == int(value)

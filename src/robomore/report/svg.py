@@ -109,9 +109,14 @@ class Axis:
         return math.log10(value) if self.log else value
 
 
+_BEYOND = 1e100
+"""No axis goes further; what lies beyond stands at its end."""
+
+
 def axis_around(values: Sequence[float], start: float, end: float, log: bool = False) -> Axis:
     """Return an axis that holds all values with some air; linear where `log` cannot be."""
-    low, high = min(values), max(values)
+    # The difference of larger numbers may be none.
+    low, high = (min(max(end, -_BEYOND), _BEYOND) for end in (min(values), max(values)))
     if log and low > 0:
         if high < 1.2 * low:
             low, high = low / 1.2, high * 1.2

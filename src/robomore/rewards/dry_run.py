@@ -152,7 +152,6 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
     """
     request = msgspec.json.decode(payload, type=DryRunRequest)
     task = carried_task(request.task, request.content)
-    check_continuation(task, request.morphologies[0], load_reward(request.source))
     record = _Record()
     reward = load_reward(request.source, record.watch)
     for number, parameters in enumerate(request.morphologies):
@@ -168,6 +167,7 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
                 actions[anew] = random.uniform(-1, 1, (len(anew), env.action_size))
                 record.rewards += env.step(actions).reward.tolist()
                 if sum(record.seconds) > _MOST_SECONDS:
+                    # Nothing else is tried either: the check below would take as long again.
                     return msgspec.json.encode(record.observed())
             if not number:
                 record.over = True
@@ -178,6 +178,7 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
         if env.reward_runner is not None:
             record.missing |= env.reward_runner.missing.found
         report(number + 1)
+    check_continuation(task, request.morphologies[0], load_reward(request.source))
     return msgspec.json.encode(record.observed())
 
 

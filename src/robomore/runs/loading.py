@@ -10,6 +10,7 @@ from statistics import fmean
 from typing import Any
 
 from robomore.errors import InputError, RunFolderError
+from robomore.importer.first_compile import compile_content
 from robomore.plain_files import PlainFolder
 from robomore.runs.empty import empty_slots
 from robomore.runs.lineage import Record, best_of
@@ -88,11 +89,13 @@ def stored_task(files: PlainFolder, id: str) -> Task:
     """Return the task whose content stands in a folder, or else the installed one of that id.
 
     Raises:
-        InputError: there is none, or its content is damaged.
+        InputError: there is none, its content is damaged, or MuJoCo needs too much to compile it.
     """
     if files.is_file(TASK_CONTENT):
         content = files.read(TASK_CONTENT, MOST_CONTENT)
-        return remember(task_from_content(content, trusted=False))
+        task = task_from_content(content, trusted=False)
+        compile_content(content)
+        return remember(task)
     return known_task(id)
 
 

@@ -37,6 +37,8 @@ TABLES = ("evaluations", "curves", "places", "proposals", "exchanges", "events")
 
 _LARGEST = 1e12
 """Far from every number of a robot, and from where sums and products stop being finite."""
+_MOST_NAMES = 2_000
+"""Facts, measures of behaviour and reward terms of one evaluation; usual ones have some twenty."""
 _LONGEST_CURVE = 2**20
 """Bytes of a curve when it is unpacked."""
 
@@ -119,6 +121,9 @@ def check_numbers(evaluation: Evaluation) -> None:
         if given:
             raise ValueError(f"it says {evaluation.status} and has numbers all the same")
         return
+    named = len(evaluation.behaviour) + len(evaluation.body) + len(evaluation.terms)
+    if named > _MOST_NAMES:
+        raise ValueError(f"it has {named:,} named numbers (the most is {_MOST_NAMES:,})")
     if len(given) < len(numbers) or evaluation.volume is None:
         raise ValueError("it says ok without fitness, volume and efficiency")
     for name, divisor in (

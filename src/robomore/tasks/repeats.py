@@ -21,7 +21,7 @@ _INDEX = re.compile(r'<repeat\b[^>]*\bindex="(\w+)"')
 
 _COUNT = re.compile(r'<repeat\b[^>]*\bcount="([^"]*)"')
 
-MOST_PARTS = 20_000
+MOST_PARTS = 2_000
 """Elements that all repeats of a template make together."""
 
 MOST = 64
