@@ -5,6 +5,7 @@ from __future__ import annotations
 from statistics import fmean
 
 from robomore.search import METHODS
+from robomore.studies.crossed import reward_table
 from robomore.studies.retraining import GIVEN
 from robomore.studies.scores import aggregate_table, curve_figures, found_table, interval_figure
 from robomore.studies.study import Arm, Draw, Results, Study
@@ -44,6 +45,7 @@ def _tables(results: Results) -> list[Table]:
         found_table(results),
         aggregate_table(results, "over-human", "reference", human),
         aggregate_table(results, "over-slim", SLIM, _slim(results)),
+        reward_table(results),
     ]
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from statistics import fmean
 
-from robomore.runs import Run
 from robomore.runs.words import unit_of
+from robomore.studies.crossed import group_score
 from robomore.studies.study import Arm, Results, Study
 from robomore.studies.table import Entry, Table
 
@@ -23,7 +23,9 @@ def _tables(results: Results) -> list[Table]:
     for task in results.tasks:
         runs = results.runs(task)
         for name, pair in PAIRS.items():
-            scores = [s for run in runs if (s := _score(run, name, results.objective)) is not None]
+            scores = [
+                s for run in runs if (s := group_score(run, name, results.objective)) is not None
+            ]
             wins = [run.champion_role == name for run in runs if run.final]
             rows.append(
                 (
@@ -46,12 +48,6 @@ def _tables(results: Results) -> list[Table]:
             "Each pair of each run is trained anew on the same seeds.",
         )
     ]
-
-
-def _score(run: Run, name: str, objective: str) -> float | None:
-    design = getattr(run, name)
-    measured = design.score(objective) if design else None
-    return measured.mean if measured else None
 
 
 TRANSFER = Study(
