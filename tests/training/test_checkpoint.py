@@ -31,7 +31,7 @@ from robomore.training.settings import make_trainer
 from robomore.training.trainer import Progress, Trainer, TrainingResult
 
 FULL = SETTINGS.buffer_size + 160
-HELD = replace(SETTINGS, max_noise_repeat=5, horizon_growth_start=200)
+HELD = replace(SETTINGS, max_noise_repeat=5)
 
 
 @dataclass(frozen=True)

@@ -40,10 +40,6 @@ grown by this factor. No budget enters this schedule, so a continued training re
 of one that was never stopped."""
 
 
-LONGEST_HORIZON = 1000
-"""Control steps that a growing horizon ends at."""
-
-
 class OffPolicyTrainer(ABC):
     """A `Trainer` that consists of this loop and an algorithm; see `TrainingRun` for the loop.
 
@@ -149,22 +145,12 @@ class TrainingRun:
         if self.steps >= self.settings.learning_starts:
             grown = bool(before) and _growths(self.steps) > _growths(before)
             if self.settings.normalize_rewards and (grown or not self.updates):
-                self.buffer.measure_scale(self.gamma)
+                self.buffer.measure_scale(self.settings.gamma)
             losses = self._learn()
             if grown:
                 others = self.settings.num_eval_checkpoints - 1
                 self.earlier = [*self.earlier, self.average][-others:] if others else []
         self.curve.note_round(self.steps, losses, self.environment)
-
-    @property
-    def gamma(self) -> float:
-        """Discount factor for each control step; with a growing horizon it changes together with
-        the scale of rewards, which depends on it."""
-        gamma, start = self.settings.gamma, self.settings.horizon_growth_start
-        if start is None or self.steps < start:
-            return gamma
-        grown = max(CHECKPOINT_GROWTH ** _growths(self.steps) / start, 1.0)
-        return max(gamma, 1 - max((1 - gamma) / grown, 1 / LONGEST_HORIZON))
 
     def _act(self) -> None:
         if self.updates:
@@ -182,7 +168,7 @@ class TrainingRun:
     def _learn(self) -> dict[str, float]:
         settings = self.settings
         shape = settings.gradient_steps, settings.batch_size
-        rows = self.buffer.sample(self.random, shape, self.gamma, settings.n_steps)
+        rows = self.buffer.sample(self.random, shape, settings.gamma, settings.n_steps)
         noise = self.random.standard_normal(
             (shape[0], 2, shape[1], self.environment.action_size), np.float32
         )

@@ -72,10 +72,6 @@ class LoopSettings(OffPolicySettings):
     observed: Count | None = None
     """Numbers of an observation that the networks see, from its start; `None` for all. A policy
     that is returned takes whole observations and ignores the rest."""
-    horizon_growth_start: Count | None = None
-    """Control steps from which on the horizon 1 / (1 - `gamma`) grows as the steps do, up to
-    `LONGEST_HORIZON`; `None`: it stays. To look farther ahead is harder to learn, and what may end
-    a motion only later does not count otherwise (Francois-Lavet et al. 2015)."""
     max_noise_repeat: Count = 1
     """Control steps that one draw of the noise is held at most; 1 draws anew at every step
     (`robomore.training.exploration_noise`)."""
