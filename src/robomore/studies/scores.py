@@ -66,7 +66,8 @@ def found_table(results: Results) -> Table:
         ),
         tuple(rows),
         "Each run's answer is trained anew with other seeds, and a run without one is left out. "
-        "All arms had the same budget; one that ended early has fewer search steps.",
+        "All arms had the same budget at most; one that ended early, or whose method needs less, has "
+        "fewer search steps.",
     )
 
 
