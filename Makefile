@@ -28,8 +28,8 @@ help: ## List these verbs
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-8s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 demo: $(VENV)/.run ## Search for a better robot on this machine; ends with a report
-	$(BIN)/robomore run half-cheetah --preset quick --steps 20000 --reference-reward out \
-		--method-option morphologies=3 --method-option rewards=2 --method-option max_cycles=1 \
+	$(BIN)/robomore run swimmer --preset quick --steps 20000 \
+		--method-option morphologies=3 --method-option rewards=2 --method-option max_cycles=2 \
 		--seed 0 --out runs/demo
 
 picture: $(VENV)/.run ## Make the README's moving picture from what the demo found

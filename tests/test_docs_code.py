@@ -111,7 +111,7 @@ def execute(pieces: Sequence[str], name: str) -> None:
     known: dict[str, Any] = {"__name__": "__main__"}
     for number, piece in enumerate(pieces, start=1):
         if "to_dataframe" in piece and find_spec("pandas") is None:
-            continue  # Whoever has no pandas gets a list, which these pieces do not expect.
+            continue  # They say that they need it.
         exec(compile(piece, f"{name}, block {number}", "exec"), known)
 
 

@@ -7,6 +7,7 @@ import shlex
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -83,8 +84,11 @@ def test_an_estimate_comes_before_the_first_request(robomore_: Command, tmp_path
             *("--out", tmp_path / "out"),
         )
     first, *_, last = err.strip().splitlines()
-    assert "at most about 11 requests" in first and "$0.00" in first
+    # Nine proposals, of which some need a repair; each may take 3 attempts of 4 answers.
+    assert "takes about 11 requests" in first and "$0.00" in first
+    assert "up to 108 requests if many answers are invalid" in first
     assert status == 2 and "key was refused" in last and KEY not in err
+    assert COMPATIBLE_KEY in last
     assert len(script.seen) == 1
 
 
@@ -131,7 +135,8 @@ def test_a_stubborn_slot_stays_empty_and_the_run_goes_on(
         "coarse morphology 2",
         "fine morphology 1.1",
     ]
-    assert "no JSON object" in told["empty_slots"][0]["reason"]
+    reason = told["empty_slots"][0]["reason"]
+    assert "no JSON object" in reason and "begins 'I would rather not, 5.'" in reason
     assert told["final"] and told["evaluations"] == {"ok": 6}
     assert "coarse morphology 2, attempt 3: no usable morphology in 2 answers" in err
     _, shown, _ = robomore_("show", out)
@@ -448,3 +453,36 @@ def test_the_check_tells_whether_a_model_can_design(robomore_: Command) -> None:
         status, _, err = robomore_("llm", "check", "--base-url", url, "--model", "toy")
     assert status == 1 and len(script.seen) == 2 and "HTTP 500" in one_line(err)
     assert robomore_("llm", "check")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("steps", "shown", "said"),
+    [
+        (["cut_off"], "answers: {", "--max-output-tokens"),
+        (["thinking_only"], "answers: {", "thoughts and no answer"),
+        (["say"], "JSON:    no", "asked for JSON, it answered 'ready'"),
+        ([("say", "no\x1b[2J" * 50)], "answers: no", "'no�[2Jno"),
+        (["no_choices"], "", "look into the server's log"),
+    ],
+)
+def test_a_check_that_finds_a_fault_names_it_and_fails(
+    robomore_: Command, steps: list[Any], shown: str, said: str
+) -> None:
+    with serve(*steps) as (url, _):
+        status, out, err = robomore_("llm", "check", "--base-url", url, "--model", "toy")
+    assert status == 1 and shown in out
+    assert said in one_line(err) and "run the same command" not in err
+    assert len(err) < 400 and "\x1b" not in out + err
+
+
+@pytest.mark.parametrize("fault", ["silent", "thinking_only", "cut_off"])
+def test_a_run_that_gets_no_whole_answer_stops_early(
+    robomore_: Command, tmp_path: Path, fault: str
+) -> None:
+    with serve(fault) as (url, script):
+        status, _, err = robomore_(
+            *(*TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--out", tmp_path / "out"),
+        )
+    assert status == 1 and len(script.seen) == 4
+    assert "gave 4 answers and none is whole" in one_line(err)

@@ -447,6 +447,7 @@ def test_odd_answers_are_answers() -> None:
     [
         ([("say", "ready"), ("say", '{"length": 2}')], "schema"),
         (["say", "no_schema"], "words"),
+        (["say", ("say", '<think>{3}?</think>```json\n{"length": 2}\n```')], "words"),
         (["say", ("say", "I would rather talk.")], "no"),
     ],
 )
@@ -455,6 +456,7 @@ def test_check_says_what_a_model_can_do(steps: list, structured: str) -> None:
         result = check(model_at(url)[0])
     assert (result.model, result.reply) == ("toy", "ready")
     assert result.structured == structured
+    assert bool(result.faults) == (structured == "no")
     assert (result.tokens, result.cost) == (240, 0.0)
 
 

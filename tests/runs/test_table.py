@@ -103,11 +103,12 @@ def test_parquet_says_what_it_needs(
         write_parquet(rows, tmp_path / "run.parquet")
 
 
-def test_without_pandas_a_table_is_a_list(
+def test_without_pandas_a_data_frame_says_what_to_do(
     rows: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(importlib, "import_module", without("pandas"))
-    assert dataframe(rows) == rows
+    with pytest.raises(InputError, match=r"robomore\[table\].*rows\(\)"):
+        dataframe(rows)
 
 
 def test_with_pandas_a_table_is_a_data_frame(rows: list[dict[str, Any]]) -> None:

@@ -6,6 +6,8 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from fake_run import SETTINGS, FakeRun, finished_run
 from robomore.runs import load_run
 from robomore.store import Ledger
@@ -28,9 +30,9 @@ def test_a_champion_that_only_shrank_uses_less_material(tmp_path: Path) -> None:
 
 def test_a_sound_result_has_no_warning(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
-    best = run.add(
-        Design(run.morphology(0.5), run.reward(3.0)), Place(stage="coarse", index=(0, 1)), 31.0
-    )
+    first, *others = run.morphology(0.5).parameters
+    longer = Morphology((1.1 * first, *others))
+    best = run.add(Design(longer, run.reward(3.0)), Place(stage="coarse", index=(0, 1)), 31.0)
     high = tuple(value + 10 for value in STEADY)
     run.final(best, found=high, reference=STEADY, morphology_only=STEADY, reward_only=STEADY)
     assert load_run(tmp_path).warnings == ()
@@ -113,3 +115,17 @@ def test_bounds_of_the_search_are_told_from_those_of_the_task(tmp_path: Path) ->
     told = said(tmp_path)
     assert "middle_radius stands at a bound of the search" in told
     assert "The task itself allows more" in told
+
+
+@pytest.mark.parametrize(
+    ("scale", "longer", "slim"), [(0.5, 1.0, True), (1.0, 1.0, False), (0.5, 1.1, False)]
+)
+def test_a_champion_that_is_a_slim_reference_needed_no_search(
+    tmp_path: Path, scale: float, longer: float, slim: bool
+) -> None:
+    run = FakeRun(tmp_path)
+    first, *others = run.morphology(scale).parameters
+    design = Design(Morphology((longer * first, *others)), run.reward(3.0))
+    best = run.add(design, Place(stage="coarse", index=(0, 1)), 31.0)
+    run.final(best, found=STEADY, reference=STEADY, morphology_only=STEADY, reward_only=STEADY)
+    assert ("scaled by 0.5, as --method slim-reference" in said(tmp_path)) is slim

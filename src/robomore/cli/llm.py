@@ -23,9 +23,10 @@ llm = App(name="llm", help="Check whether a language model can be used.")
 _STRUCTURED = {
     "schema": "keeps to a JSON schema",
     "words": "answers in JSON when asked in words; a schema is refused or ignored",
-    "no": "no; expect many repairs, or choose another model",
+    "no": "no",
 }
 _TRIES_OF_CHECK = 2
+_REMEDY_OF_CHECK = "look into the server's log, or check again later"
 
 
 @Parameter(name="*", group=Group("Language model", sort_key=5))
@@ -170,8 +171,9 @@ def language_model(options: ModelOptions) -> LanguageModel:
 
 
 def forecast(task: Task, model: LanguageModel, settings: RunSettings) -> str:
-    """Return one line on what a whole run asks of a model at most."""
+    """Return one line on what a whole run usually asks of a model, and at most."""
     from robomore.designers.llm.estimate import estimate
+    from robomore.designers.recorded import ATTEMPTS
     from robomore.search import SearchContext, make_method
     from robomore.types import Design, Morphology, Reward
 
@@ -183,7 +185,11 @@ def forecast(task: Task, model: LanguageModel, settings: RunSettings) -> str:
     )
     proposals = make_method(settings.method).plan(context).proposals
     expected = estimate(task, model.settings, model.model.cost, proposals=proposals)
-    return f"{model.model.name}: the whole run takes at most {expected}"
+    most = sum(proposals.values()) * ATTEMPTS * (model.settings.repairs + 1)
+    return (
+        f"{model.model.name}: the whole run takes {expected}; up to {most} requests if many "
+        "answers are invalid (--max-requests, --max-tokens and --max-cost limit that)"
+    )
 
 
 @llm.command
@@ -195,11 +201,9 @@ def check(*, model: ModelOptions | None = None) -> None:
 
     model = model or ModelOptions()
     asked = language_model(model)
+    policy = RetryPolicy(max_tries=_TRIES_OF_CHECK, remedy=_REMEDY_OF_CHECK)
     found = ask(
-        connect(
-            model.model, model.base_url, _price(model.price), RetryPolicy(max_tries=_TRIES_OF_CHECK)
-        ),
-        asked.settings.sampling,
+        connect(model.model, model.base_url, _price(model.price), policy), asked.settings.sampling
     )
     cost = "price unknown" if found.cost is None else f"${found.cost:.4f}"
     write(
@@ -208,8 +212,9 @@ def check(*, model: ModelOptions | None = None) -> None:
         f"JSON:    {_STRUCTURED[found.structured]}\n"
         f"took:    {found.seconds:.1f} s, {found.tokens} tokens, {cost}\n"
     )
-    if found.prompt_cut:
-        raise ModelUnavailable(found.prompt_cut)
+    faults = [fault for fault in (*found.faults, found.prompt_cut) if fault]
+    if faults:
+        raise ModelUnavailable(f"{found.model} is not ready for a run: {'; '.join(faults)}")
 
 
 def _price(given: str | None) -> tuple[float, float] | None:

@@ -54,13 +54,18 @@ class PydanticAIModel:
         price: tuple[float, float] | None,
         retry_policy: RetryPolicy,
         sleep: Callable[[float], object] = time.sleep,
+        key_variable: str = "",
     ) -> None:
-        """Wrap `model`. `price` is in US dollars per million input and output tokens."""
+        """Wrap `model`. `price` is in US dollars per million input and output tokens.
+
+        `key_variable` is the environment variable with the key, for an error about the key.
+        """
         self.name = name
         self._model = model
         self._price = price
         self._retry_policy = retry_policy
         self._sleep = sleep
+        self._key_variable = key_variable
         self._schemas = True
         self._reached = False
         self._loop = _Loop()
@@ -149,7 +154,9 @@ class PydanticAIModel:
             raise InputError(f"{self.name} cannot be asked like this: {error}") from None
         except Exception as error:  # noqa: BLE001  # an odd answer ends in errors of all kinds
             url = str(self._model.base_url)
-            raise translate(error, self.name, url, structured, self._reached) from None
+            raise translate(
+                error, self.name, url, structured, self._reached, self._key_variable
+            ) from None
         self._reached = True
         return response
 

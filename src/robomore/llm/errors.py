@@ -35,7 +35,9 @@ class SchemaRefused(Exception):
     """A request with a JSON schema was refused, perhaps because of the schema."""
 
 
-def translate(error: Exception, name: str, url: str, structured: bool, reached: bool) -> Exception:
+def translate(
+    error: Exception, name: str, url: str, structured: bool, reached: bool, key_variable: str = ""
+) -> Exception:
     """Return the error to raise instead of an error of the library.
 
     Args:
@@ -45,6 +47,7 @@ def translate(error: Exception, name: str, url: str, structured: bool, reached: 
         url: of its server.
         structured: whether the request had a JSON schema.
         reached: whether this server has answered before.
+        key_variable: environment variable with the key, empty if unknown.
 
     Returns:
         A `TransientError` if a retry may help, `SchemaRefused` for a request with a JSON schema,
@@ -79,8 +82,8 @@ def translate(error: Exception, name: str, url: str, structured: bool, reached: 
         return TransientError(_unreadable(error, name, url))
     match error:
         case ModelAuthenticationError():
-            remedy = "check the key's environment variable (docs/llm.md)"
-            return InputError(f"{name}: the key was refused; {remedy}")
+            where = key_variable or "the environment variable that docs/llm.md names"
+            return InputError(f"{name}: the key was refused; set the right key in {where}")
         case ModelQuotaExceededError():
             return InputError(f"{name}: the account's quota is used up: {_message(error)}")
         case ModelContextWindowExceededError():

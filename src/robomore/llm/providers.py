@@ -56,7 +56,8 @@ def connect(
         raise InputError(_missing(error)) from None
     if price is None and _is_local(base_url or (_ollama() if model.startswith("ollama:") else "")):
         price = (0.0, 0.0)
-    return PydanticAIModel(model, library, price, retry_policy)
+    key_variable = COMPATIBLE_KEY if base_url is not None else ""
+    return PydanticAIModel(model, library, price, retry_policy, key_variable=key_variable)
 
 
 def _compatible(model: str, base_url: str, client: Any) -> Any:

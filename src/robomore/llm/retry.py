@@ -40,6 +40,7 @@ class RetryPolicy:
         max_wait: longest wait between two tries in seconds, unless the provider asks for more.
         max_retry_after: longest wait in seconds that a provider may ask for.
         timeout: seconds after which one request is given up.
+        remedy: what a user can do after the last try.
     """
 
     max_tries: int = 6
@@ -47,6 +48,7 @@ class RetryPolicy:
     max_wait: float = 60.0
     max_retry_after: float = 300.0
     timeout: float = 600.0
+    remedy: str = "everything so far is kept: run the same command again to go on"
 
     def wait(self, tries: int) -> float:
         """Return the seconds to wait after so many tries, with a random jitter of 25 %.
@@ -72,13 +74,11 @@ def retry(
         except TransientError as error:
             if error.retry_after is not None and error.retry_after > policy.max_retry_after:
                 raise ModelUnavailable(
-                    f"{error.reason}, and asks to wait {error.retry_after:.0f} s; everything so "
-                    "far is kept: run the same command again later"
+                    f"{error.reason}, and asks to wait {error.retry_after:.0f} s; {policy.remedy}"
                 ) from None
             if tries == policy.max_tries:
                 raise ModelUnavailable(
-                    f"{error.reason} (tried {tries} times); everything so far is kept: "
-                    "run the same command again to go on"
+                    f"{error.reason} (tried {tries} times); {policy.remedy}"
                 ) from None
             wait = max(error.retry_after or 0.0, policy.wait(tries))
             _log.warning("%s; trying again in %.1f s", error.reason, wait)

@@ -10,6 +10,7 @@ from robomore.errors import ModelUnavailable
 from robomore.llm.model import ChatModel, Completion, Message, Request, Sampling
 from robomore.llm.tokens import estimate_prompt
 from robomore.llm.trouble import prompt_cut, trouble_with
+from robomore.text import one_line
 from robomore.types import Slot
 
 _SCHEMA = {
@@ -20,9 +21,10 @@ _SCHEMA = {
     "additionalProperties": False,
 }
 
-
 _FILLER = " ".join(["a", "e", "i", "o", "u"] * 1400)
 """As long as a prompt with a short history: each word is a token of every tokenizer."""
+_LONGEST_QUOTE = 80
+"""Characters of an answer that are shown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,7 @@ class Check:
         tokens: input and output tokens of both exchanges.
         cost: in US dollars, or `None` if no price is known.
         prompt_cut: that the server reads long prompts in part only, or empty.
+        faults: what makes the answers unfit for a run, each with its remedy.
     """
 
     model: str
@@ -47,6 +50,7 @@ class Check:
     tokens: int
     cost: float | None
     prompt_cut: str = ""
+    faults: tuple[str, ...] = ()
 
 
 def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
@@ -74,25 +78,39 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
     counted = plain.input_tokens != estimate_prompt(messages)
     form = 'Answer with JSON alone, of the form {"length": 2.5}, any number from 0 to 10.'
     formed = answer(1, form, _SCHEMA)
+    structured = _structure(formed)
+    troubles = [trouble_with(completion) for completion in (plain, formed)]
+    # Both answers can have the same trouble.
+    faults = list(dict.fromkeys(trouble.to_user for trouble in troubles if trouble))
+    if structured == "no" and not troubles[1]:
+        faults.append(
+            f"asked for JSON, it answered {one_line(formed.reply)[:_LONGEST_QUOTE]!r}; choose "
+            "another model"
+        )
     costs = (plain.cost, formed.cost)
     return Check(
         model=model.name,
-        reply=" ".join(plain.reply.split())[:80],
-        structured=_structure(formed),
+        reply=one_line(plain.reply)[:_LONGEST_QUOTE],
+        structured=structured,
         seconds=plain.seconds + formed.seconds,
         tokens=sum(c.input_tokens + c.output_tokens for c in (plain, formed)),
         cost=None if None in costs else sum(cost or 0.0 for cost in costs),
         prompt_cut=prompt_cut(messages, plain.input_tokens) if counted else "",
+        faults=tuple(faults),
     )
 
 
 def _structure(completion: Completion) -> Literal["schema", "words", "no"]:
     text = completion.reply
+    if completion.structured and _has_length(text):
+        return "schema"
+    # Fences, prose and thoughts may stand around the object. The parsers of a run accept that.
+    return "words" if _has_length(text[text.rfind("{") : text.rfind("}") + 1]) else "no"
+
+
+def _has_length(text: str) -> bool:
     try:
-        # Without a schema, a model may put fences around its JSON. The parsers accept that.
-        found = json.loads(text if completion.structured else text[text.find("{") :].strip("` \n"))
-    except ValueError:
-        return "no"
-    if not isinstance(found, dict) or not isinstance(found.get("length"), int | float):
-        return "no"
-    return "schema" if completion.structured else "words"
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(found, dict) and isinstance(found.get("length"), int | float)

@@ -29,7 +29,7 @@ class Comparison:
         return [_row(run) for run in self.runs]
 
     def to_dataframe(self) -> Any:
-        """Return the rows as a `pandas.DataFrame`; without pandas, as a list of dicts."""
+        """Return the rows as a `pandas.DataFrame`; `InputError` without pandas."""
         return dataframe(self.rows())
 
 

@@ -238,7 +238,7 @@ class Run:
         return rows(self.records, self.task, self.plan)
 
     def to_dataframe(self) -> Any:
-        """Return the rows as a `pandas.DataFrame`; without pandas, as a list of dicts."""
+        """Return the rows as a `pandas.DataFrame`; `InputError` without pandas."""
         return dataframe(self.rows())
 
     # One evaluation ------------------------------------------------------------------------------

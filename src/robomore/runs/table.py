@@ -57,11 +57,18 @@ def _row(record: Record, task: Task, plan: Plan) -> Row:
 
 
 def dataframe(found: Sequence[Row]) -> Any:
-    """Return rows as a `pandas.DataFrame`; without pandas, as the list of dicts that they are."""
+    """Return rows as a `pandas.DataFrame`.
+
+    Raises:
+        InputError: pandas is not installed.
+    """
     try:
         pandas = importlib.import_module("pandas")
     except ImportError:
-        return list(found)
+        raise InputError(
+            "to_dataframe() needs pandas: pip install 'robomore[table]'; rows() gives the same as "
+            "a list of dictionaries, and needs nothing"
+        ) from None
     return pandas.DataFrame(found)
 
 

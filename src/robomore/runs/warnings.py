@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from robomore.runs.bounds import at_bounds
 from robomore.runs.lineage import best_of
 from robomore.runs.words import in_unit, number
 from robomore.statistics.spread import FEWEST
+from robomore.tasks.unit_space import UnitSpace
 
 if TYPE_CHECKING:
     from robomore.runs.run import Run
@@ -18,6 +21,10 @@ STEEL = 7850.0
 
 _NAMED = 3
 """Empty slots that are named."""
+_SLIM = 0.95
+"""Radii scaled by more than this are not slim."""
+_ROUNDING = 1e-4
+"""Difference in m between two scaled radii that is rounding."""
 _WINNERS_CURSE = 0.7
 """Trained anew below this share of what the search saw, the search was lucky."""
 
@@ -51,6 +58,7 @@ def warnings_about(run: Run) -> tuple[str, ...]:
         said += _about_fitness(run)
         said += _about_limits(run)
         said += _about_audits(run)
+    said += _about_slimness(run, champion)
     said += _about_matter(champion)
     said += _about_bounds(run, champion)
     if run.task.mass:
@@ -142,6 +150,23 @@ def _about_limits(run: Run) -> list[str]:
 
 def _about_audits(run: Run) -> list[str]:
     return [f"Not champion, since it failed its audit: {one}" for one in run.passed_over]
+
+
+def _about_slimness(run: Run, champion: TrainedDesign) -> list[str]:
+    """Say so if the morphology is the reference's with other radii, which nobody had to invent."""
+    reference = np.array(run.task.reference)
+    found = np.array(champion.design.morphology.parameters)
+    radii = UnitSpace(run.task).radii
+    if not radii.any() or not np.array_equal(found[~radii], reference[~radii]):
+        return []
+    scales = found[radii] / reference[radii]
+    scale = float(scales.mean())
+    if scale > _SLIM or np.abs(found[radii] - scale * reference[radii]).max() > _ROUNDING:
+        return []
+    return [
+        f"Its morphology is the reference's with all radii scaled by {scale:.3g}, as "
+        "--method slim-reference would try it: the search found no better one."
+    ]
 
 
 def _about_matter(champion: TrainedDesign) -> list[str]:

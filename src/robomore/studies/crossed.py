@@ -45,8 +45,8 @@ def reward_table(results: Results) -> Table:
         "The found reward over the reference reward, both with the found morphology",
         ("task", "geometric mean", "95 % from", "95 % to", "found is better", "found none"),
         tuple(rows),
-        "Runs of all arms that found a reward, each pair trained anew on the same seeds; one with "
-        f"a score that is not above 0 is left out. The interval is a bootstrap over {FEWEST} pairs "
+        "Runs of all arms that found a reward, each pair trained anew on the same seeds; without "
+        f"those with a score that is not above 0. The interval is a bootstrap over {FEWEST} pairs "
         "or more. The last column counts runs that answered with the reference reward.",
     )
 

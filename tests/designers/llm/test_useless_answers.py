@@ -47,7 +47,7 @@ def test_a_run_that_had_no_useful_answer_stops(
     made = designer(ScriptedModel(lambda asked: answer), log)
     with pytest.raises(ProposalFailed):
         made.propose_morphology(BODY, [])
-    with pytest.raises(ModelUnavailable, match=f"4 answers without content.*{to_user}.*--out"):
+    with pytest.raises(ModelUnavailable, match=f"4 answers and none is whole.*{to_user}.*--out"):
         made.propose_morphology(Slot("coarse", "morphology", (0,), attempt=1), [])
     # The same command takes the same way, and pays for nothing.
     again = designer(ReplayModel(log), MemoryLog())

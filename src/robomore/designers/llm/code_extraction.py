@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from robomore.designers.llm.extraction import NotFound, cleared
+from robomore.designers.llm.extraction import HOLDS_NONE, NotFound, cleared
 from robomore.designers.llm.fences import Block, blocks_of, blocks_within, dedented
 from robomore.designers.llm.thoughts import after_final_heading
 from robomore.designers.llm.wrappings import without_entities
@@ -252,7 +252,7 @@ def _bare(text: str, wanted: str) -> str:
     first = re.compile(r"\s*(?:(?:async\s+)?def|class)\s+\w+\s*[(:]")
     start = next((index for index, line in enumerate(lines) if first.match(line)), None)
     if start is None:
-        raise NotFound(f"the answer holds no Python code that defines `{wanted}`")
+        raise NotFound(f"{HOLDS_NONE} Python code that defines `{wanted}`")
     margin = len(lines[start]) - len(lines[start].lstrip())
     while start > 0 and _is_code(lines[start - 1], margin) and lines[start - 1].strip():
         start -= 1

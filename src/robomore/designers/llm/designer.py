@@ -8,6 +8,7 @@ from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
+from robomore.designers.llm.extraction import HOLDS_NONE
 from robomore.designers.llm.history import CurveOf, HistorySettings
 from robomore.designers.llm.parsing import (
     InvalidReply,
@@ -29,6 +30,7 @@ from robomore.llm import BudgetedClient, Exchange, Message, Request, Sampling
 from robomore.llm.trouble import Trouble, prompt_cut, trouble_with
 from robomore.rewards.check import check_reward
 from robomore.tasks.task import Task
+from robomore.text import one_line
 from robomore.types import Evaluation, Morphology, Reward, Slot
 
 Pictures = Callable[[Evaluation], Sequence[bytes]]
@@ -36,10 +38,12 @@ Pictures = Callable[[Evaluation], Sequence[bytes]]
 
 _LONGEST_ECHO = 12_000
 """Characters of an invalid reply that are sent back with its errors."""
+_LONGEST_QUOTE = 80
+"""Characters of an answer that are shown to the user."""
 _MOST_ALIKE = 2
 """Answers for one slot with a trouble that lasts. After that, repeating is no use."""
 _MOST_USELESS = 4
-"""Such answers after which a run stops that has not had a single useful one."""
+"""Answers with a trouble, after which a run stops that has not had a single one without."""
 
 T = TypeVar("T")
 
@@ -222,7 +226,7 @@ class LLMDesigner:
 
         Raises:
             ProposalFailed: the repairs are used up, or repeating cannot help.
-            ModelUnavailable: no answer was of any use so far, for a reason that lasts.
+            ModelUnavailable: all answers so far were empty, withheld or cut off.
         """
         *before, question = prompt
         if slot.attempt:
@@ -255,6 +259,8 @@ class LLMDesigner:
             echo = exchange.reply[:_LONGEST_ECHO] or "(no answer)"
             conversation = (*conversation, Message("assistant", echo), repair_message(errors))
         said = [trouble.to_user] if trouble else list(errors)
+        if said[0].startswith(HOLDS_NONE):
+            said.append(f"it begins {one_line(exchange.reply)[:_LONGEST_QUOTE]!r}")
         if cut := prompt_cut(exchange.messages, exchange.input_tokens):
             said.append(cut)
         raise ProposalFailed(
@@ -263,16 +269,16 @@ class LLMDesigner:
         )
 
     def _stop_if_useless(self, trouble: Trouble | None) -> None:
-        """Raise `ModelUnavailable` if all answers so far were useless for a reason that lasts."""
-        if trouble is None or not trouble.lasting:
+        """Raise `ModelUnavailable` if all answers so far were empty, withheld or cut off."""
+        if trouble is None:
             # The model can answer, although not yet in the right form.
             self._answers.useful = True
             return
         self._answers.useless += 1
         if self._answers.useless >= _MOST_USELESS and not self._answers.useful:
             raise ModelUnavailable(
-                f"{self._client.model.name} gave {self._answers.useless} answers without content: "
-                f"{trouble.to_user}. Start a new run (--out) with other settings"
+                f"{self._client.model.name} gave {self._answers.useless} answers and none is "
+                f"whole: {trouble.to_user}. Start a new run (--out) with other settings"
             )
 
 

@@ -32,6 +32,10 @@ _INVISIBLE = re.compile("[\ufeff\u200b\u2060]")
 """A byte order mark, and spaces without width."""
 
 
+HOLDS_NONE = "the answer holds no"
+"""The message about an answer without any JSON or Python code begins so."""
+
+
 class NotFound(Exception):
     """The answer does not hold what was asked for. The message says what is wrong."""
 
@@ -55,7 +59,7 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
         found = last
     if found:
         return found[0]
-    raise NotFound(*errors[:1] or [f'the answer holds no JSON object with "{wanted}"'])
+    raise NotFound(*errors[:1] or [f'{HOLDS_NONE} JSON object with "{wanted}"'])
 
 
 def cleared(text: str, wanted: str) -> str:
