@@ -70,6 +70,12 @@ class Start:
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin", encodable(self.origin))
 
+    @property
+    def content(self) -> tuple[tuple[float, ...] | None, str | None]:
+        """Parameters and reward text: what numbers depend on, whatever its file is called."""
+        parameters = self.morphology.parameters if self.morphology else None
+        return parameters, self.reward.source if self.reward else None
+
 
 class Status(StrEnum):
     """How an evaluation ended. Anything but `OK` comes with a diagnosis and without numbers."""

@@ -133,14 +133,27 @@ def test_density_and_motors_of_a_thin_robot() -> None:
     assert motors.check(still(ant)).outcome == "passes"
 
 
+def test_the_strength_of_a_servo_is_its_force_and_not_its_range() -> None:
+    task = short("swimmer", STEPS)
+    servo = '<position gear="1" kp="40" ctrlrange="-2.094 2.094" {} joint'
+    limited, free = (
+        replace(task, template=task.template.replace("<motor joint", servo.format(limit)))
+        for limit in ('forcerange="-20 20"', "")
+    )
+    verdict = motors.check(still(limited))
+    assert verdict.numbers["torque_nm"] == 20.0 and verdict.says.startswith(
+        "The strongest motor has 20"
+    )
+    assert motors.check(still(free)).outcome == "skipped"
+
+
 def test_bounds_are_named() -> None:
     task = short("swimmer", STEPS)
     first, *others = task.parameters
     longest = (first.high, *(one.reference for one in others))
     verdict = bounds.check(replace(still(task), parameters=longest))
-    assert verdict.outcome == "warns" and f"1 of 6 parameters stand at a bound: {first.name}" in (
-        verdict.says
-    )
+    assert verdict.outcome == "warns"
+    assert f"1 of 6 parameters stand at a bound of the task: {first.name}" in verdict.says
     assert bounds.check(still(task)).outcome == "passes"
 
 

@@ -21,6 +21,8 @@ def copied(trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 def test_an_audit_lies_beside_its_policy_and_is_told(copied: Path, robomore_: Command) -> None:
     assert audit_of(load_run(copied)) is None
+    assert "audit:" not in robomore_("show", copied).out
+    assert "It is not audited." in robomore_("show", copied / "champion").out
     said = robomore_("audit", copied)
     assert said.status == 1
     assert "fails energy balance" in said.words and "fails 1 of 2 checks" in said.words
@@ -32,12 +34,19 @@ def test_an_audit_lies_beside_its_policy_and_is_told(copied: Path, robomore_: Co
     assert robomore_("audit", copied, "--json").json["passes"] is False
     assert "5 J came / from nowhere." in robomore_("audit", copied, "--markdown").out
     assert audit_of(found, found.reference.evaluations[0].key) is None  # type: ignore[union-attr]
+    assert "audit: The design fails 1 of 2 checks" in robomore_("show", copied).words
+    assert "fails energy balance" in robomore_("show", copied / "champion").words
 
 
 def test_a_design_outside_of_a_run_is_audited(copied: Path, robomore_: Command) -> None:
     assert robomore_("audit", copied / "champion").status == 1
     assert (copied / "champion" / AUDIT).is_file()
     check_sums(copied / "champion")  # an audit is no part of the design
+    assert "audit: The design fails 1 of 2 checks" in robomore_("show", copied).words
+    (copied / "run.json").write_text("{")
+    assert "fails energy balance" in robomore_("show", copied / "champion").words
+    (copied / "champion" / AUDIT).unlink()
+    assert "It is not audited." in robomore_("show", copied / "champion").words
 
 
 def test_what_cannot_be_audited_is_refused(tmp_path: Path, robomore_: Command) -> None:

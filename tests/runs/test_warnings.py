@@ -101,7 +101,20 @@ def test_parameters_at_their_bounds_are_named(tmp_path: Path) -> None:
     values = tuple(ends.get(p.name, p.reference) for p in run.task.parameters)
     design = Design(Morphology(values), run.reward(1.0))
     run.add(design, Place(stage="coarse", index=(0, 1)), 5.0)
-    assert "front_length, back_length stand at their bounds" in said(tmp_path)
+    told = said(tmp_path)
+    assert "front_length, back_length stand at the bounds of the search" in told
+    assert "the task itself allows more" not in told.lower()
+
+
+def test_bounds_of_the_search_are_told_from_those_of_the_task(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    thin = {"middle_radius": 0.01}  # the task goes down to 0.005
+    values = tuple(thin.get(p.name, p.reference) for p in run.task.parameters)
+    design = Design(Morphology(values), run.reward(1.0))
+    run.add(design, Place(stage="coarse", index=(0, 1)), 5.0)
+    told = said(tmp_path)
+    assert "middle_radius stands at a bound of the search" in told
+    assert "The task itself allows more" in told
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from fakes import CountingDesigner, context_of, evaluation
 
 from robomore.designers.started import StartedDesigner
 from robomore.errors import InputError
+from robomore.experiment.run import default_folder
 from robomore.experiment.starting import checked_starts
 from robomore.plan import Plan, Stage
 from robomore.search import METHODS, make_method
@@ -110,4 +112,23 @@ def test_what_a_method_cannot_use_is_refused() -> None:
     with pytest.raises(InputError, match="the method 'reference' starts from the reference alone"):
         usable(starts, (), PLAN, "reference")
     with pytest.raises(InputError, match="2 starts have a reward, and this search tries 1"):
-        usable([Start("a.py", None, MINE)] * 2, ("reward",), PLAN, "robomore")
+        others = [Start("a.py", None, MINE), Start("b.py", None, Reward(f"{MINE.source}\n"))]
+        usable(others, ("reward",), PLAN, "robomore")
+
+
+def test_what_is_given_twice_takes_one_place() -> None:
+    again = Morphology(THICK.parameters, "given (copy.json)")
+    starts = [Start("a.json", THICK), Start("copy.json", again, MINE), Start("a.py", None, MINE)]
+    found = usable(starts, ("morphology", "reward"), PLAN, "robomore")
+    assert found == ((THICK,), (MINE,))
+
+
+def test_the_default_folder_tells_runs_with_other_starts_apart() -> None:
+    asked = ("swimmer", "quick", "offline", 1)
+    plain = default_folder(*asked)
+    assert plain == Path("runs/swimmer-quick-offline-s1")
+    starts = [Start("a.json", THICK)], [Start("a.json", BEYOND)], [Start("a.py", None, MINE)]
+    folders = {default_folder(*asked, one) for one in starts}
+    assert len(folders) == 3 and plain not in folders
+    renamed = Start("./b.json", Morphology(THICK.parameters, "given (./b.json)"))
+    assert default_folder(*asked, [renamed]) == default_folder(*asked, starts[0])

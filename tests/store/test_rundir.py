@@ -12,6 +12,7 @@ from robomore.errors import RunFolderError
 from robomore.plan import Plan, Stage
 from robomore.settings import preset
 from robomore.store import Manifest, RunFolder
+from robomore.types import Morphology, Start
 
 ASKED = Manifest(
     task="ant",
@@ -30,6 +31,17 @@ def test_the_same_run_may_continue(tmp_path: Path) -> None:
     folder = RunFolder.prepare(tmp_path / "run", ASKED)
     assert Manifest.load(folder.manifest) == ASKED
     folder.release()
+
+
+def test_a_start_may_have_another_name_and_no_other_content(tmp_path: Path) -> None:
+    def started(name: str, length: float) -> Manifest:
+        morphology = Morphology((length,), f"given ({name})")
+        return replace(ASKED, starts=(Start(name, morphology),))
+
+    RunFolder.prepare(tmp_path / "run", started("a.json", 1.0)).release()
+    RunFolder.prepare(tmp_path / "run", started("./b.json", 1.0)).release()
+    with pytest.raises(RunFolderError, match="started from 1 given designs, others than"):
+        RunFolder.prepare(tmp_path / "run", started("a.json", 2.0))
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from robomore.studies import STUDIES, Results, Study, Table, run_study
 from robomore.studies.execute import cells_of, write_results
 from robomore.studies.presets import SCALES, scale
 from robomore.studies.remeasured import incumbents, remeasure
-from robomore.studies.scores import _curve
+from robomore.studies.scores import _curve, aggregate_table
 from robomore.studies.study import Arm, Cell
 from robomore.tasks import get_task
 from robomore.tasks.registry import PAPER_TASKS
@@ -127,6 +127,19 @@ def test_tables_tell_what_was_found_and_over_what(compared: tuple[Path, Results]
     assert by_arm["random"][2] == "", "one run of each gives no interval"
     assert float(by_arm["random"][5]) == (found["random"] > found["slim-reference"])
     assert float(table(out, "over-human")[1][1]) == pytest.approx(found["robomore"] / human)
+
+
+def test_no_base_gives_no_table_of_dashes(compared: tuple[Path, Results]) -> None:
+    _, results = compared
+    arm = results.arms[0]
+    some_rows = aggregate_table(results, "over", arm, {"swimmer": 1.0})
+    assert some_rows.rows and "IQM" in some_rows.markdown()
+    without = aggregate_table(results, "over", arm, {"swimmer": -1.0})
+    assert without.markdown() == (
+        f"**All tasks together, over {arm}: no task has a base above 0**\n"
+    )
+    nowhere = aggregate_table(results, "over", arm, {"ant": 1.0})
+    assert "| " not in nowhere.markdown() and "No arm has a result" in nowhere.markdown()
 
 
 def test_figures_are_drawn(compared: tuple[Path, Results]) -> None:

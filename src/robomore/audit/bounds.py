@@ -8,14 +8,17 @@ from robomore.store.audit import Verdict
 
 
 def check(subject: Subject) -> Verdict:
-    """Name the parameters that stand at a bound, but for those where the reference stands there."""
+    """Name the parameters at the task's bounds, but for those where the reference stands there.
+
+    A policy does not tell whether a search was held to narrower bounds; `robomore show` does.
+    """
     own = dict(zip(subject.task.names, subject.parameters, strict=True))
     reference = dict(zip(subject.task.names, subject.task.reference, strict=True))
     found = [
         name for name in at_bounds(subject.task, subject.parameters) if own[name] != reference[name]
     ]
     count = len(subject.task.parameters)
-    said = f"{len(found)} of {count} parameters stand at a bound"
+    said = f"{len(found)} of {count} parameters stand at a bound of the task"
     if found:
         said += f": {', '.join(found)}. With other bounds it would be another design"
     return Verdict(

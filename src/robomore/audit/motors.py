@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import mujoco
-import numpy as np
 
 from robomore.audit.subject import Subject
 from robomore.envs.compile import compile_model
+from robomore.envs.motor_force import motor_force
 from robomore.runs.words import number
 from robomore.store.audit import Verdict
 from robomore.tasks.task import Task
 
+_CHECK = "motor strength against mass"
 WARNS_ABOVE = 10.0
 """Times the reference design's torque for each kg. The task fixes the motors, whatever the robot
 weighs: a thin robot gets them for nothing. A good electric joint gives some tens of N m for each kg
@@ -21,9 +24,16 @@ def check(subject: Subject) -> Verdict:
     """Compare the strongest motor's torque over the robot's mass with the reference design's."""
     torque, own = _strength(subject.task, subject.parameters)
     _, reference = _strength(subject.task, subject.task.reference)
+    if math.isinf(torque) or math.isinf(reference):
+        return Verdict(
+            _CHECK,
+            "skipped",
+            "Nothing limits the force of a motor, so it has no strength to compare: give a servo a "
+            "forcerange, and a plain motor a ctrlrange.",
+        )
     times = own / reference if reference else 1.0
     return Verdict(
-        "motor strength against mass",
+        _CHECK,
         "warns" if times > WARNS_ABOVE else "passes",
         f"The strongest motor has {number(torque)} N·m on {number(subject.facts['mass'])} kg: "
         f"{number(own)} N·m/kg, {number(times)} times the reference design's.",
@@ -32,8 +42,10 @@ def check(subject: Subject) -> Verdict:
 
 
 def _strength(task: Task, parameters: tuple[float, ...]) -> tuple[float, float]:
-    """Return the largest torque of a motor in N m, and that over the robot's mass."""
+    """Return the largest torque of a motor in N m, and that over the robot's mass.
+
+    Both are infinite if nothing limits a motor.
+    """
     model: mujoco.MjModel = compile_model(task, parameters)
-    gears = np.abs(model.actuator_gear[:, 0]) * np.abs(model.actuator_ctrlrange).max(axis=1)
-    torque = float(gears.max(initial=0.0))
+    torque = max((motor_force(model, motor) for motor in range(model.nu)), default=0.0)
     return torque, torque / float(model.body_mass[1:].sum())

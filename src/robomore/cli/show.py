@@ -59,6 +59,7 @@ def show(
     _print_head(screen, chosen)
     _print_designs(screen, chosen)
     _print_pairs(screen, chosen)
+    _print_audit(screen, chosen)
     _print_lineage(screen, chosen)
     _print_reward(screen, chosen)
     _print_warnings(screen, chosen)
@@ -111,6 +112,7 @@ def print_outcome(run: Run) -> None:
     _print_head(screen, run)
     _print_designs(screen, run)
     _print_pairs(screen, run)
+    _print_audit(screen, run)
     _print_warnings(screen, run)
     write(
         f"\nreport:   {run.folder / 'report.html'}\n"
@@ -229,6 +231,15 @@ def _print_pairs(screen: Console, run: Run) -> None:
     screen.print()
     screen.print(table)
     screen.print(run.pairs.verdict)
+
+
+def _print_audit(screen: Console, run: Run) -> None:
+    from robomore.report.audit_words import in_sum
+    from robomore.runs.audits import audit_of
+
+    audit = audit_of(run)
+    if audit is not None:
+        screen.print(f"\naudit: {in_sum(audit, run.fitness_unit)[0]}")
 
 
 def _print_lineage(screen: Console, run: Run) -> None:

@@ -26,6 +26,7 @@ from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
 from robomore.experiment.starting import Given, checked_starts
 from robomore.experiment.training_facts import training_facts
+from robomore.identity import content_key
 from robomore.monitor.progress import ProgressFile
 from robomore.plan import Plan
 from robomore.report import write_report
@@ -78,7 +79,8 @@ def run(
             (`robomore.executors.ray.Ray` for a cluster).
         workers: evaluations side by side, one a core by default. An executor of your own making
             knows its own number.
-        out: the run's folder; by default `runs/TASK-SETTINGS-DESIGNER-sSEED`.
+        out: the run's folder; by default `runs/TASK-SETTINGS-DESIGNER-sSEED`, with a
+            digest of what it starts from, if anything.
         budget_steps: control steps of training that the search may use; the final comes on top.
             The same call with a larger budget goes on.
         time_limit: wall-clock seconds after which nothing new is started. The run then ends with
@@ -165,7 +167,9 @@ def run(
         designer_settings=chosen.settings,
         versions=package_versions(*packages_for(settings.trainer)),
     )
-    out = Path(out).expanduser() if out else default_folder(task.id, name, chosen.name, seed)
+    out = (
+        Path(out).expanduser() if out else default_folder(task.id, name, chosen.name, seed, starts)
+    )
 
     def time_is_up() -> bool:
         return time_limit is not None and time.monotonic() - began >= time_limit
@@ -342,9 +346,14 @@ def _provenance(chosen: ChosenDesigner, starts: Sequence[Start]) -> str:
     return f"{chosen.provenance} It started from {origins}." if starts else chosen.provenance
 
 
-def default_folder(task: str, name: str, designer: str, seed: int) -> Path:
+def default_folder(
+    task: str, name: str, designer: str, seed: int, starts: Sequence[Start] = ()
+) -> Path:
     """Return the folder of a run that was given none: named after all that was asked for."""
-    return Path("runs") / "-".join(part for part in (task, name, designer, f"s{seed}") if part)
+    # Without the digest, the run without starts would be refused in the folder of the one with.
+    digest = content_key(*(one.content for one in starts))[:6] if starts else ""
+    parts = task, name, designer, f"from-{digest}" if digest else "", f"s{seed}"
+    return Path("runs") / "-".join(part for part in parts if part)
 
 
 def available_cores() -> int:

@@ -17,6 +17,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.motor_force import joint_force
 from robomore.export.stl import stl_bytes
 
 Array = NDArray[np.float64]
@@ -139,7 +140,8 @@ class _Writer:
 
     def _dynamics(self, element: ElementTree.Element, kind: str, joint: int) -> None:
         model = self.model
-        limit = {"effort": _number(largest_force(model, joint)), "velocity": _number(NO_LIMIT)}
+        effort = min(joint_force(model, joint), NO_LIMIT)
+        limit = {"effort": _number(effort), "velocity": _number(NO_LIMIT)}
         if kind == "revolute" or kind == "prismatic":
             low, high = -NO_LIMIT, NO_LIMIT
             if model.jnt_limited[joint]:
@@ -220,29 +222,6 @@ class _Writer:
         name = "skin_" + "".join(f"{round(255 * value):02x}" for value in rgba.tolist())
         colour = ElementTree.SubElement(element, "material", name=name)
         ElementTree.SubElement(colour, "color", rgba=_text(rgba))
-
-
-def largest_force(model: mujoco.MjModel, joint: int) -> float:
-    """Return the largest force (N) or torque (Nm) that the motors give a joint, 0 without any."""
-    if model.jnt_actfrclimited[joint]:
-        return float(np.abs(model.jnt_actfrcrange[joint]).max())
-    total = 0.0
-    on_joint = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
-    for motor in range(model.nu):
-        if int(model.actuator_trntype[motor]) not in on_joint:
-            continue
-        if model.actuator_trnid[motor, 0] != joint:
-            continue
-        gear = abs(float(model.actuator_gear[motor, 0]))
-        plain = int(model.actuator_biastype[motor]) == mujoco.mjtBias.mjBIAS_NONE
-        if model.actuator_forcelimited[motor]:
-            total += gear * float(np.abs(model.actuator_forcerange[motor]).max())
-        elif plain and model.actuator_ctrllimited[motor]:
-            signal = float(np.abs(model.actuator_ctrlrange[motor]).max())
-            total += gear * signal * abs(float(model.actuator_gainprm[motor, 0]))
-        else:
-            return NO_LIMIT
-    return total
 
 
 def _has(model: mujoco.MjModel, kind: mujoco.mjtJoint) -> bool:

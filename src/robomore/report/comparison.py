@@ -20,7 +20,7 @@ from robomore.runs import Run, load_run
 from robomore.runs.comparison import Comparison
 from robomore.runs.progress import progress
 from robomore.runs.words import label, number
-from robomore.statistics.spread import Spread, spread
+from robomore.statistics.spread import Spread, ratio, spread
 from robomore.text import sanitize
 
 MOST_MOVING = 8
@@ -121,15 +121,18 @@ def _kind(number: int) -> str:
 
 
 def _rows(groups: Sequence[Group]) -> list[dict[str, Any]]:
-    """Return a row for each method and task: means over its runs, and intervals."""
+    """Return a row for each method and task: means over its runs, and intervals.
+
+    All numbers are of what the searches found, which need not be the champion of its run.
+    """
     return [
         {
             "group": group,
             "runs": len(group.runs),
             "found": _over(group, _found),
-            "ratio": _over(group, lambda run: run.ratio),
-            "fitness": _over(group, lambda run: run.champion.fitness if run.champion else None),
-            "volume": _mean([run.champion.volume for run in group.runs if run.champion]),
+            "ratio": _over(group, _ratio),
+            "fitness": _over(group, lambda run: run.found.fitness if run.found else None),
+            "volume": _mean([run.found.volume for run in group.runs if run.found]),
             "steps": _mean([float(run.search_steps) for run in group.runs]),
             "seconds": _mean([run.cost.core_seconds for run in group.runs]),
         }
@@ -144,6 +147,12 @@ def _over(group: Group, get: Callable[[Run], Spread | None]) -> Spread | None:
 
 def _found(run: Run) -> Spread | None:
     return run.found.score(run.objective) if run.found else None
+
+
+def _ratio(run: Run) -> Spread | None:
+    reference = run.reference.score(run.objective) if run.reference else None
+    found = _found(run)
+    return ratio(found.values, reference.values) if found and reference else None
 
 
 def _mean(values: Sequence[float]) -> float | None:

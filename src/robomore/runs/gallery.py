@@ -15,7 +15,7 @@ import msgspec
 
 from robomore.errors import InputError
 from robomore.plain_files import PlainFolder, is_plain_name
-from robomore.runs.audits import audit_of
+from robomore.runs.audits import audit_beside, audit_of
 from robomore.runs.loading import stored_task
 from robomore.runs.run import Run
 from robomore.store import RunFolder
@@ -128,8 +128,10 @@ def load_entry(folder: Path) -> Entry:
             origin = msgspec.json.decode(files.read(ORIGIN, _MOST_BYTES), type=Origin)
         reward = files.read("reward.py", _MOST_BYTES).decode()
         audit = load_audit(files, AUDIT)
-        if audit is not None and audit.policy != MLPPolicy.load(folder / POLICY).digest:
-            audit = None  # of another policy
+        if audit is not None or files.is_file(POLICY):
+            policy = MLPPolicy.load(folder / POLICY).digest
+            if audit is None or audit.policy != policy:
+                audit = audit_beside(folder, policy)
     except (ValueError, OSError, RecursionError) as error:
         raise InputError(f"{folder} is damaged ({error}); restore it from a copy") from None
     return Entry(folder, task, facts, reward, origin, audit)

@@ -184,8 +184,15 @@ def _about_bounds(run: Run, champion: TrainedDesign) -> list[str]:
     # What a language model proposes is held to the bounds alone.
     sampled = run.manifest.designer in ("", "offline")
     task = run.task.searched() if sampled else run.task
-    at_bound = at_bounds(task, champion.design.morphology.parameters)
+    parameters = champion.design.morphology.parameters
+    at_bound = at_bounds(task, parameters)
     if not at_bound:
         return []
-    verb = "stands at its bound" if len(at_bound) == 1 else "stand at their bounds"
-    return [f"{', '.join(at_bound)} {verb}: the bounds decided part of this design."]
+    stand = "stands at a bound" if len(at_bound) == 1 else "stand at the bounds"
+    said = (
+        f"{', '.join(at_bound)} {stand} of the {'search' if sampled else 'task'}: the bounds "
+        "decided part of this design."
+    )
+    if set(at_bound) - set(at_bounds(run.task, parameters)):
+        said += " The task itself allows more than this search tried."
+    return [said]

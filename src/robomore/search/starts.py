@@ -19,7 +19,7 @@ Kind = Literal["morphology", "reward"]
 def usable(
     starts: Sequence[Start], kinds: Sequence[Kind], plan: Plan, method: str
 ) -> tuple[tuple[Morphology, ...], tuple[Reward, ...]]:
-    """Return the morphologies and rewards of `starts` that a method takes.
+    """Return the morphologies and rewards of `starts` that a method takes, each of them once.
 
     Args:
         starts: what was given.
@@ -40,16 +40,22 @@ def usable(
                 f"{start.origin} is a {' and a '.join(has)}, and the method {method!r} {takes}; "
                 "choose another --method, or leave --start-from out"
             )
-    morphologies = [s.morphology for s in starts if s.morphology and "morphology" in kinds]
-    rewards = [s.reward for s in starts if s.reward and "reward" in kinds]
-    for kind, given in (("morphology", morphologies), ("reward", rewards)):
+    # What is given twice takes one place, and the designer fills the other.
+    morphologies: dict[tuple[float, ...], Morphology] = {}
+    rewards: dict[str, Reward] = {}
+    for start in starts:
+        if start.morphology and "morphology" in kinds:
+            morphologies.setdefault(start.morphology.parameters, start.morphology)
+        if start.reward and "reward" in kinds:
+            rewards.setdefault(start.reward.source, start.reward)
+    for kind, count in (("morphology", len(morphologies)), ("reward", len(rewards))):
         places = _places(plan, kind)
-        if len(given) > places:
+        if count > places:
             raise InputError(
-                f"{len(given)} starts have a {kind}, and this search tries {places} first ones; "
+                f"{count} starts have a {kind}, and this search tries {places} first ones; "
                 "give fewer, or a larger search (--preset, --method-option, --evaluations)"
             )
-    return tuple(morphologies), tuple(rewards)
+    return tuple(morphologies.values()), tuple(rewards.values())
 
 
 def _places(plan: Plan, kind: str) -> int:

@@ -122,7 +122,7 @@ class Manifest:
         ):
             mine, theirs = getattr(self, name), getattr(asked, name)
             if name == "starts":  # the same file may have another name
-                mine, theirs = ([(s.morphology, s.reward) for s in one] for one in (mine, theirs))
+                mine, theirs = ([s.content for s in one] for one in (mine, theirs))
             if mine == theirs:
                 continue
             remedy = "choose another folder with --out"

@@ -66,7 +66,8 @@ def found_table(results: Results) -> Table:
         ),
         tuple(rows),
         "Each run's answer is trained anew with other seeds, and a run without one is left out. "
-        "All arms had the same budget; one that ended early has fewer search steps.",
+        "All arms had the same budget at most; one that ended early, or whose method needs less, "
+        "has fewer search steps.",
     )
 
 
@@ -100,13 +101,19 @@ def aggregate_table(results: Results, name: str, base: str, bases: Mapping[str, 
             wins = probability_of_improvement(scores, against)
         count = sum(map(len, scores))
         rows.append((arm, interquartile_mean(scores), *interval, mean_of_all(scores), wins, count))
+    told = any(entry is not None for row in rows for entry in row[1:])
+    note = (
+        "IQM: the mean of the middle half of all runs. The interval is a stratified bootstrap over "
+        f"the runs of each task, and takes {FEWEST} runs of each."
+    )
+    if not told:  # a table of dashes tells nothing
+        rows, note = [], "No arm has a result on each of these tasks." if bases else ""
     return Table(
         name,
         f"All tasks together, over {base}: {', '.join(bases) or 'no task has a base above 0'}",
         ("arm", "IQM", "95 % from", "95 % to", "mean", f"P(beats {base})", "runs"),
         tuple(rows),
-        "IQM: the mean of the middle half of all runs. The interval is a stratified bootstrap over "
-        f"the runs of each task, and takes {FEWEST} runs of each.",
+        note,
     )
 
 

@@ -47,8 +47,10 @@ class Table:
     note: str = ""
 
     def markdown(self) -> str:
-        """Return title, table and note as Markdown."""
-        lines = [f"**{self.title}**", "", _line(self.columns), _line(["---"] * len(self.columns))]
+        """Return title, table and note as Markdown; without rows, title and note alone."""
+        lines = [f"**{self.title}**"]
+        if self.rows:
+            lines += ["", _line(self.columns), _line(["---"] * len(self.columns))]
         lines += [_line([_text(entry) for entry in row]) for row in self.rows]
         return "\n".join([*lines, *(["", self.note] if self.note else []), ""])
 

@@ -1,0 +1,50 @@
+"""The largest force that a robot's motors can give, as its MuJoCo model states it."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+
+_ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+
+
+def motor_force(model: mujoco.MjModel, motor: int) -> float:
+    """Return the largest force (N) or torque (N m) of one actuator behind its gear.
+
+    The control range of a servo is an angle, so a servo has the limit of its `forcerange`, or that
+    of its joint. The control range of a plain motor is a force. Infinity if nothing limits it.
+    """
+    gear = abs(float(model.actuator_gear[motor, 0]))
+    plain = int(model.actuator_biastype[motor]) == mujoco.mjtBias.mjBIAS_NONE
+    plain &= int(model.actuator_gaintype[motor]) == mujoco.mjtGain.mjGAIN_FIXED
+    plain &= int(model.actuator_dyntype[motor]) != mujoco.mjtDyn.mjDYN_INTEGRATOR
+    found = math.inf
+    if model.actuator_forcelimited[motor]:
+        found = gear * float(np.abs(model.actuator_forcerange[motor]).max())
+    if plain and model.actuator_ctrllimited[motor]:
+        signal = float(np.abs(model.actuator_ctrlrange[motor]).max())
+        found = min(found, gear * signal * abs(float(model.actuator_gainprm[motor, 0])))
+    joint = joint_of(model, motor)
+    if joint is not None and model.jnt_actfrclimited[joint]:
+        found = min(found, float(np.abs(model.jnt_actfrcrange[joint]).max()))
+    return found
+
+
+def joint_force(model: mujoco.MjModel, joint: int) -> float:
+    """Return the largest force (N) or torque (N m) that all motors of a joint give it together.
+
+    It is 0 without a motor, and infinity if nothing limits it.
+    """
+    if model.jnt_actfrclimited[joint]:
+        return float(np.abs(model.jnt_actfrcrange[joint]).max())
+    motors = [motor for motor in range(model.nu) if joint_of(model, motor) == joint]
+    return sum((motor_force(model, motor) for motor in motors), 0.0)
+
+
+def joint_of(model: mujoco.MjModel, motor: int) -> int | None:
+    """Return the number of the joint that an actuator drives; `None` if it drives no joint."""
+    if int(model.actuator_trntype[motor]) not in _ON_JOINT:
+        return None
+    return int(model.actuator_trnid[motor, 0])
