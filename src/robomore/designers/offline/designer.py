@@ -21,7 +21,8 @@ class OfflineDesigner:
     terms that the earlier ones lack. Improvements correct what the evaluations show, combine
     rewards, or change something at random.
 
-    The designer never sees the reference design, only what a language model would be shown.
+    The designer sees only what a language model would be shown: of the reference design, what the
+    search has among its evaluations.
 
     Args:
         task: the task to design for.

@@ -13,7 +13,8 @@ from robomore.search.method import SearchContext
 from robomore.search.propose import independent
 from robomore.search.robomore.branch import REPEAT, Branch
 from robomore.search.robomore.planning import FINE
-from robomore.search.robomore.turns import KINDS, Kind, Turns
+from robomore.search.robomore.turns import KINDS, Turns
+from robomore.search.starts import Kind
 from robomore.types import Design, Evaluation, Place, Slot, Trial
 
 

@@ -7,9 +7,8 @@ then spent on the other. So the next turn can go to the kind whose latest propos
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
 
-Kind = Literal["morphology", "reward"]
+from robomore.search.starts import Kind
 
 KINDS: tuple[Kind, Kind] = ("morphology", "reward")
 """In the paper's order."""
