@@ -11,6 +11,7 @@ from robomore.designers.offline.reward_composition import (
     STYLES,
     RewardComposition,
     guess_composition,
+    middle,
     parse_composition,
     rounded,
 )
@@ -47,7 +48,7 @@ class RewardSampler:
         known = {reward.source for reward in earlier}
         others = [self.composition(reward.source) for reward in earlier]
         first = not others and slot.attempt == 0 and not any(slot.index)
-        draws = [self._plain(random)] if first else [self._drawn(random) for _ in range(DRAWS)]
+        draws = [self._plain()] if first else [self._drawn(random) for _ in range(DRAWS)]
         fresh = [draw for draw in draws if draw.source(self.robot) not in known]
         if not fresh:
             raise ProposalFailed(f"{self._task.id}: no new reward was found")
@@ -62,12 +63,12 @@ class RewardSampler:
         """Return a random weight from the term's range, uniform in its logarithm."""
         return rounded(math.exp(random.uniform(math.log(term.low), math.log(term.high))))
 
-    def _plain(self, random: np.random.Generator) -> RewardComposition:
-        """Return the usual first reward: the task itself, survival and little effort."""
+    def _plain(self) -> RewardComposition:
+        """Return the usual first reward: the task itself, a little survival, and little effort."""
         chosen = [self.leads[0]]
         chosen += [term for term in self.suitable if term.part == "survival"]
         chosen += [term for term in self.suitable if term.topic == "effort"][:1]
-        return RewardComposition({term.name: self.drawn_weight(term, random) for term in chosen})
+        return RewardComposition({term.name: middle(term) for term in chosen})
 
     def _drawn(self, random: np.random.Generator) -> RewardComposition:
         """Return a random composition: one leading term, up to three bonuses, up to two costs."""
