@@ -147,7 +147,8 @@ def test_a_stubborn_slot_stays_empty_and_the_run_goes_on(
 def test_a_model_that_fills_no_slot_ends_the_run_in_one_line(
     robomore_: Command, tmp_path: Path
 ) -> None:
-    with serve(("say", "I would rather not.")) as (url, script):
+    no_number = '{"parameters": ["a little"]}'
+    with serve(("say", no_number)) as (url, script):
         command = (
             *(*TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
             *("--quiet", "--out", tmp_path / "out"),
@@ -155,7 +156,7 @@ def test_a_model_that_fills_no_slot_ends_the_run_in_one_line(
         for _ in range(2):
             status, _, err = robomore_(*command)
             assert status == 1 and err.count("\n") == 1
-            assert "filled none of 2 slots for a morphology" in err and "no JSON object" in err
+            assert "filled none of 2 slots for a morphology" in err and "a little" in err
             assert len(script.seen) == 2 * 3 * 2
     status, shown, _ = robomore_("show", tmp_path / "out")
     assert status == 0 and "2 slots stayed empty" in " ".join(shown.split())
@@ -485,4 +486,21 @@ def test_a_run_that_gets_no_whole_answer_stops_early(
             *("--quiet", "--out", tmp_path / "out"),
         )
     assert status == 1 and len(script.seen) == 4
-    assert "gave 4 answers and none is whole" in one_line(err)
+    assert "gave 4 answers and none holds a whole design" in one_line(err)
+
+
+@pytest.mark.parametrize(
+    "answer", ["\n\x1b[2JI'm sorry,\tI can't help with that.\nIt is dangerous.", '{"sizes": [1]}']
+)
+def test_a_run_whose_model_never_answers_with_a_design_stops_early(
+    robomore_: Command, tmp_path: Path, answer: str
+) -> None:
+    with serve(("say", answer)) as (url, script):
+        status, _, err = robomore_(
+            *(*TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--out", tmp_path / "out"),
+        )
+    assert status == 1 and len(script.seen) == 4
+    assert "choose another model" in one_line(err) and "\x1b" not in err
+    quoted = "I'm sorry, I can't help with that." if "sorry" in answer else '{"sizes": [1]}'
+    assert quoted in one_line(err) and "dangerous" not in err
