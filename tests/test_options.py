@@ -105,7 +105,7 @@ def test_numbers_below_one_are_refused_by_name(option: str) -> None:
 
 
 def test_an_unknown_objective_is_refused() -> None:
-    with pytest.raises(InputError, match="choose one of efficiency, fitness"):
+    with pytest.raises(InputError, match="Choose one of efficiency, fitness"):
         with_options(preset("quick"), objective="speed")  # type: ignore[arg-type]
 
 

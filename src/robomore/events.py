@@ -57,6 +57,14 @@ class Proposed:
 
 
 @dataclass(frozen=True, slots=True)
+class Waiting:
+    """A language model is asked to fill a slot; `over` when it has answered, or will not."""
+
+    slot: Slot
+    over: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Spent:
     """A language model answered.
 
@@ -125,7 +133,7 @@ class Cut:
     reason: str
 
 
-Event = RunBegan | Proposed | Spent | BatchBegan | Started | Progressed | Finished | Cut
+Event = RunBegan | Proposed | Waiting | Spent | BatchBegan | Started | Progressed | Finished | Cut
 Observer = Callable[[Event], None]
 
 

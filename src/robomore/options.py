@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, get_args
 
-from robomore.errors import InputError
+from robomore.errors import InputError, did_you_mean
 from robomore.identity import content_key
 from robomore.settings import (
     PRESETS,
@@ -84,7 +84,8 @@ def with_options(
             raise InputError(f"--{option} is {limit:g}; give a positive number in {unit}")
     if objective is not None and objective not in get_args(Objective):
         raise InputError(
-            f"--objective is {objective!r}; choose one of {', '.join(get_args(Objective))}"
+            f"--objective is {objective!r}.{did_you_mean(objective, get_args(Objective))} Choose "
+            f"one of {', '.join(get_args(Objective))}"
         )
     settings = with_method(settings, method, method_options)
     settings = with_trainer(settings, trainer, trainer_options)

@@ -10,12 +10,11 @@ from __future__ import annotations
 import importlib
 import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from difflib import get_close_matches
 from functools import cached_property
 from importlib.metadata import EntryPoint, distributions, entry_points
 from typing import Generic, TypeVar
 
-from robomore.errors import InputError
+from robomore.errors import InputError, no_such
 
 T = TypeVar("T")
 
@@ -69,11 +68,7 @@ class Registry(Generic[T]):
             return self._own(name)
         if name in self._plugins:
             return self._plugin(name)
-        near = get_close_matches(str(name), self.names(), n=1)
-        hint = f" Did you mean {near[0]!r}?" if near else ""
-        raise InputError(
-            f"no {self.kind} is called {name!r}.{hint} Choose one of {', '.join(self.names())}"
-        )
+        raise no_such(self.kind, name, self.names())
 
     def names(self) -> tuple[str, ...]:
         """Return all names, this package's first; nothing is loaded."""

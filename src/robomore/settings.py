@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_t
 
 import msgspec
 
-from robomore.errors import InputError
+from robomore.errors import InputError, did_you_mean, no_such
 from robomore.types import MethodSettings, TrainerSettings
 
 T = TypeVar("T")
@@ -131,7 +131,7 @@ def preset(name: str) -> RunSettings:
         InputError: there is no preset of that name.
     """
     if name not in PRESETS:
-        raise InputError(f"no preset is called {name!r}; choose one of {', '.join(PRESETS)}")
+        raise no_such("preset", name, PRESETS)
     return PRESETS[name]()
 
 
@@ -196,8 +196,8 @@ def from_options(cls: type[T], options: Mapping[str, Any], owner: str) -> T:
     known = [field.name for field in fields(cls)]  # type: ignore[arg-type]
     if unknown := sorted(set(options) - set(known)):
         raise InputError(
-            f"{owner} has no option {', '.join(map(repr, unknown))}; "
-            f"it takes {', '.join(known) or 'none'}"
+            f"{owner} has no option {', '.join(map(repr, unknown))}."
+            f"{did_you_mean(unknown[0], known)} It takes {', '.join(known) or 'none'}"
         )
     for name, value in options.items():
         if isinstance(value, float) and not math.isfinite(value):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import re
+import time
 from dataclasses import replace
 
+import pytest
 from rich.console import Console
 
 from monitor.told import (
@@ -20,7 +22,7 @@ from monitor.told import (
     state,
 )
 from robomore.cli.live import LiveView, PlainLines, render
-from robomore.events import BatchBegan, Finished, Proposed, Spent, Started
+from robomore.events import BatchBegan, Finished, Proposed, Spent, Started, Waiting
 from robomore.monitor import RunState
 from robomore.types import Slot
 
@@ -141,3 +143,36 @@ def test_the_live_view_shows_the_bill(state: RunState) -> None:
     state(Spent(3, 4_000, None))
     console.print(render(state))
     assert "language model: 3 requests, 4,000 tokens, of unknown price" in console.file.getvalue()
+
+
+def test_a_language_model_that_is_waited_for_is_seen_to_be(state: RunState, clock: Clock) -> None:
+    first, second = (Slot("matrix", "morphology", (index,)) for index in range(2))
+    state(Waiting(first))
+    state(Waiting(second))
+    clock.now += 12
+    said = "waiting for the language model's answer, 12 s … (matrix morphology 1"
+    assert said in " ".join(shown(state).split())
+    state(Waiting(first, over=True))
+    state(Waiting(second, over=True))
+    assert "waiting" not in shown(state)
+
+
+def test_plain_lines_say_so_too_and_no_longer_than_it_lasts(
+    clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robomore.cli.live._SECONDS_TO_REMIND", 0.01)
+    stream = io.StringIO()
+    lines = PlainLines(stream, clock)
+    lines(BEGAN)
+    slot = Slot("matrix", "morphology", (0,))
+    lines(Waiting(slot))
+    clock.now += 4
+    deadline = time.monotonic() + 20
+    while "waiting" not in stream.getvalue() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert "waiting for the language model's answer, 4 s" in stream.getvalue()
+    before = stream.getvalue()
+    lines(Waiting(slot, over=True))
+    lines.remind()
+    assert stream.getvalue() == before
+    lines.close()

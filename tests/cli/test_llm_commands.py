@@ -147,7 +147,8 @@ def test_a_stubborn_slot_stays_empty_and_the_run_goes_on(
 def test_a_model_that_fills_no_slot_ends_the_run_in_one_line(
     robomore_: Command, tmp_path: Path
 ) -> None:
-    with serve(("say", "I would rather not.")) as (url, script):
+    no_number = '{"parameters": ["a little"]}'
+    with serve(("say", no_number)) as (url, script):
         command = (
             *(*TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
             *("--quiet", "--out", tmp_path / "out"),
@@ -155,7 +156,7 @@ def test_a_model_that_fills_no_slot_ends_the_run_in_one_line(
         for _ in range(2):
             status, _, err = robomore_(*command)
             assert status == 1 and err.count("\n") == 1
-            assert "filled none of 2 slots for a morphology" in err and "no JSON object" in err
+            assert "filled none of 2 slots for a morphology" in err and "a little" in err
             assert len(script.seen) == 2 * 3 * 2
     status, shown, _ = robomore_("show", tmp_path / "out")
     assert status == 0 and "2 slots stayed empty" in " ".join(shown.split())
@@ -326,7 +327,7 @@ def test_a_replay_that_goes_further_than_the_recording_does_without(
         (("--designer", "llm", "--model", "a:b", "--max-cost", "0"), "--max-cost is 0"),
         (("--designer", "llm", "--model", "a:b", "--repairs", "-1"), "less than 0"),
         (("--designer", "llm", "--model", "a:b", "--history-rule", "good"), "none of best"),
-        (("--designer", "nobody"), "choose one of offline, llm, replay"),
+        (("--designer", "nobody"), "Choose one of offline, llm, replay"),
     ],
 )
 def test_what_makes_no_sense_is_refused_in_one_line(
@@ -485,4 +486,38 @@ def test_a_run_that_gets_no_whole_answer_stops_early(
             *("--quiet", "--out", tmp_path / "out"),
         )
     assert status == 1 and len(script.seen) == 4
-    assert "gave 4 answers and none is whole" in one_line(err)
+    assert "gave 4 answers and none holds a whole design" in one_line(err)
+
+
+@pytest.mark.parametrize(
+    "answer", ["\n\x1b[2JI'm sorry,\tI can't help with that.\nIt is dangerous.", '{"sizes": [1]}']
+)
+def test_a_run_whose_model_never_answers_with_a_design_stops_early(
+    robomore_: Command, tmp_path: Path, answer: str
+) -> None:
+    with serve(("say", answer)) as (url, script):
+        status, _, err = robomore_(
+            *(*TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
+            *("--quiet", "--out", tmp_path / "out"),
+        )
+    assert status == 1 and len(script.seen) == 4
+    assert "choose another model" in one_line(err) and "\x1b" not in err
+    quoted = "I'm sorry, I can't help with that." if "sorry" in answer else '{"sizes": [1]}'
+    assert quoted in one_line(err) and "dangerous" not in err
+
+
+def test_a_server_that_never_sends_a_byte_ends_the_run_in_time(
+    robomore_: Command, tmp_path: Path
+) -> None:
+    with serve("stall") as (url, script):
+        status, _, err = robomore_(
+            *(*TINY, "--designer", "llm", "--base-url", url, "--model", "toy", "--parallel", "1"),
+            *("--answer-time", "0.5s", "--quiet", "--out", tmp_path / "out"),
+        )
+        assert status == 1 and len(script.seen) == 2
+    assert "did not answer in time" in one_line(err) and "--answer-time" in one_line(err)
+
+
+def test_a_time_for_an_answer_has_a_unit(robomore_: Command) -> None:
+    status, _, err = robomore_("llm", "check", "--model", "ollama:toy", "--answer-time", "90")
+    assert status == 2 and "--answer-time 90 has no unit; write 90s" in one_line(err)

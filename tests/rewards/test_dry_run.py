@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import msgspec
@@ -88,7 +89,7 @@ def test_a_bonus_that_never_changes_is_noted_and_no_rival() -> None:
         (
             {"terms": {"speed": Term(400.0, 0, 0.0, -1.0, 1.0), "effort": PLAIN["effort"]}},
             "warning",
-            "'speed' dominates: under random actions it makes 99.9 % of all variation",
+            "'speed' dominates: under random actions it varies 800 times as much as the",
         ),
     ],
 )
@@ -129,6 +130,27 @@ def test_a_bad_reward_is_told_of_in_its_line(
     assert found.severity == "error" and said in found.message
     if "while" not in lines[0]:
         assert found.line == line
+
+
+def test_terms_that_do_not_add_up_are_noted_and_not_refused(tmp_path: Path) -> None:
+    source = program(
+        "effort = float(np.sum(action ** 2))",
+        "return x_velocity - 0.1 * effort, {'speed': x_velocity, 'effort': effort}",
+    )
+    (found,) = DryRun(get_task("swimmer"), tmp_path)(source)
+    assert (found.severity, found.line) == ("note", 1)
+    assert re.search(
+        r"do not add up to the reward in \d+ of 600 calls: \S+ and \S+ in", found.message
+    )
+
+
+def test_terms_that_add_up_but_for_rounding_do() -> None:
+    lines = (
+        "speed = np.float32(x_velocity)",
+        "effort = np.float32(0.1 * np.sum(action ** 2))",
+        "return float(speed) - 0.1 * float(np.sum(action ** 2)), {'speed': speed, 'c': -effort}",
+    )
+    assert tried(program(*lines)).apart is None
 
 
 def test_every_call_of_a_good_reward_is_seen(tmp_path: Path) -> None:
@@ -213,3 +235,17 @@ def test_a_slow_reward_is_not_tried_to_the_end(monkeypatch: pytest.MonkeyPatch) 
 def test_each_simulation_has_a_reward_of_its_own() -> None:
     seen = tried("N = []\n" + program("N.append(1)", "return x_velocity, {'n': len(N)}"))
     assert seen.terms["n"].high == STEPS
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("np.sqare(action)", "square"), ("math.sqart(2)", "sqrt"), ("abs(acton)", "action")],
+)
+def test_a_misspelt_name_comes_with_the_one_that_was_meant(
+    written: str, meant: str, tmp_path: Path
+) -> None:
+    task = get_task("swimmer")
+    source = "import math\n" + program(f"return float(np.sum({written})), {{}}")
+    request = DryRunRequest(task.id, (task.reference,), source)
+    with pytest.raises(RewardFailed, match=f"Did you mean '{meant}'"):
+        observe(msgspec.json.encode(request), tmp_path, lambda done: None)

@@ -65,6 +65,13 @@ def test_a_misspelt_function_is_named() -> None:
     assert "'sqare'. Did you mean 'square'? (line 2:" in explain(caught.value)
 
 
+def test_a_misspelt_variable_is_named() -> None:
+    reward = load_reward("def _get_rew(self, v, action):\n    return abs(acton), {}\n")
+    with pytest.raises(NameError) as caught:
+        reward(None, 0.0, np.zeros(1))
+    assert "'acton' is not defined. Did you mean 'action'? (line 2:" in explain(caught.value)
+
+
 def test_explains_an_error_that_cannot_describe_itself() -> None:
     class Mute(Exception):
         def __str__(self) -> str:

@@ -74,10 +74,11 @@ def test_reference_tries_nothing_else() -> None:
     ("name", "options", "said"),
     [
         ("randon", {}, "Did you mean 'random'"),
+        ("random", {"sampels": 3}, "no option 'sampels'. Did you mean 'samples'"),
         ("random", {"samples": 0}, "samples is 0; it takes: whole number, at least 1; or null"),
         ("random", {"samples": "x"}, 'samples is "x"; it takes: whole number'),
         ("random", {"deviation": -1.0}, "deviation is -1.0; it takes: number, above 0"),
-        ("reference", {"samples": 3}, "it takes none"),
+        ("reference", {"samples": 3}, "It takes none"),
     ],
 )
 def test_what_cannot_be_made_is_refused(name: str, options: dict, said: str) -> None:  # type: ignore[type-arg]

@@ -183,7 +183,7 @@ def test_the_first_look_is_part_of_the_grid_if_the_reference_reward_is() -> None
         ({"morphologies": 0}, "morphologies"),
         ({"screening": "halve"}, "halve"),
         ({"survivors": float("nan")}, "survivors = nan"),
-        ({"rows": 3}, "no option 'rows'; it takes morphologies"),
+        ({"rows": 3}, "no option 'rows'. It takes morphologies"),
     ],
 )
 def test_options_out_of_range_are_refused(options: dict[str, Any], said: str) -> None:

@@ -123,7 +123,7 @@ def test_measures_are_added_with_their_weights() -> None:
         (lambda: Fitness.sum((math.nan, "distance")), "weight of 'distance' is nan"),
         (lambda: Fitness.sum(), "at least one measure"),
         (lambda: Fitness.of("speed-kept"), r"needs speed: Fitness.of\('speed-kept', speed=…\)"),
-        (lambda: Fitness.of("distance", speed=1), "no option 'speed'; it takes none"),
+        (lambda: Fitness.of("distance", speed=1), "no option 'speed'. It takes none"),
     ],
 )
 def test_what_makes_no_fitness_is_refused_with_the_remedy(make: Any, said: str) -> None:

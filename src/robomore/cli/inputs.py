@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from robomore.errors import InputError, InvalidReward
+from robomore.errors import InputError, InvalidMorphology, InvalidReward
 from robomore.plain_files import cannot_write
 from robomore.rewards.check import why_unparsed
 from robomore.search.named_starts import NAMED_STARTS, named_start
@@ -32,7 +32,7 @@ def read_parameters(task: Task, given: str) -> tuple[float, ...]:
 
     Raises:
         InputError: the file cannot be read or used.
-        InvalidMorphology: the task refuses the parameters.
+        InvalidMorphology: the task refuses the parameters; the message names the file.
     """
     if given == REFERENCE:
         return task.reference
@@ -54,7 +54,10 @@ def read_parameters(task: Task, given: str) -> tuple[float, ...]:
     for name, value in values.items():
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(f"{given}: {name} is {json.dumps(value)}, which is not a number")
-    return task.check(found)
+    try:
+        return task.check(found)
+    except InvalidMorphology as error:
+        raise InvalidMorphology(f"{given}: {error}") from None
 
 
 def read_reward(task: Task, given: str) -> str:

@@ -24,6 +24,9 @@ from robomore.types import Evaluation, Place
 
 _BAR = 20
 _SECONDS_BETWEEN_LINES = 15.0
+_SECONDS_TO_REMIND = 4.0
+"""Seconds without an answer of a language model, after which a plain line says so."""
+_SECONDS_BETWEEN_REMINDERS = 30.0
 _LONGEST = 300
 """Characters of a line that somebody else may have written."""
 
@@ -40,7 +43,11 @@ def watched(quiet: bool) -> Iterator[Observer]:
         return
     screen = console(stderr=True)
     if not screen.is_terminal:
-        yield PlainLines(sys.stderr)
+        lines = PlainLines(sys.stderr)
+        try:
+            yield lines
+        finally:
+            lines.close()
         return
     view = LiveView()
     with Live(view, console=screen, refresh_per_second=4, transient=False):
@@ -96,6 +103,8 @@ def render(state: RunState) -> RenderableType:
         parts.append(Text.assemble(("best  ", "bold"), _told(state, *state.best)))
     for idea in state.ideas:
         parts.append(_cut(f"{idea.slot.kind:10} {idea.failure or idea.idea}", "dim"))
+    if state.asked_model:
+        parts.append(_cut(_waiting(state), "dim"))
     if state.spent and state.spent.requests:
         parts.append(Text(_spending(state.spent), style="dim"))
     if state.trouble:
@@ -105,7 +114,11 @@ def render(state: RunState) -> RenderableType:
 
 
 class PlainLines:
-    """Writes a line when a stage begins, when something better is found, and now and then."""
+    """Writes a line when a stage begins, when something better is found, and now and then.
+
+    While a language model is waited for, nothing happens that it could be told. So a timer reminds
+    it, in a thread of its own.
+    """
 
     def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
         self._stream = stream
@@ -113,8 +126,42 @@ class PlainLines:
         self._state = RunState(clock)
         self._stage = ""
         self._last = -_SECONDS_BETWEEN_LINES
+        self._lock = threading.Lock()
+        self._timer: threading.Timer | None = None
 
     def __call__(self, event: Event) -> None:
+        with self._lock:
+            self._tell(event)
+            if not self._state.asked_model:
+                self._cancel()
+            elif self._timer is None:
+                self._set_timer(_SECONDS_TO_REMIND)
+
+    def remind(self) -> None:
+        """Say for how long a language model has been waited for, and do so again later."""
+        with self._lock:
+            self._timer = None
+            if self._state.asked_model:
+                self._say(_waiting(self._state))
+                self._set_timer(_SECONDS_BETWEEN_REMINDERS)
+
+    def close(self) -> None:
+        """Remind of nothing any more."""
+        with self._lock:
+            self._cancel()
+
+    def _set_timer(self, seconds: float) -> None:
+        self._timer = threading.Timer(seconds, self.remind)
+        # A thread that waits must not keep the program alive.
+        self._timer.daemon = True
+        self._timer.start()
+
+    def _cancel(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _tell(self, event: Event) -> None:
         state = self._state
         best = state.best
         state(event)
@@ -162,6 +209,15 @@ def _line(state: RunState, event: Finished, better: bool) -> str:
         first = (evaluation.diagnosis.splitlines() or [""])[0]
         said = f"{evaluation.status} ({_where(state, event.place)}): {first}"
     return f"[{state.stage} {state.done}/{state.asked}] {said}; {_times(state)}"
+
+
+def _waiting(state: RunState) -> str:
+    slots = list(state.asked_model)
+    more = f" and {len(slots) - 1} more" if len(slots) > 1 else ""
+    return (
+        f"waiting for the language model's answer, {duration(state.waited or 0.0)} …  "
+        f"({slots[0]}{more})"
+    )
 
 
 def _spending(spent: Spent) -> str:

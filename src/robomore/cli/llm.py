@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Group, Parameter
 
+from robomore.cli.inputs import read_duration
 from robomore.cli.output import write
 from robomore.cli.whole import Whole
-from robomore.errors import InputError, ModelUnavailable
+from robomore.errors import InputError, ModelUnavailable, no_such
 
 if TYPE_CHECKING:
     from robomore.designers import LanguageModel, Replay
@@ -67,6 +68,9 @@ class ModelOptions:
         How long a reasoning model may think: minimal, low, medium or high.
     max_output_tokens
         Length at which an answer is cut off; by default the provider's.
+    answer_time
+        How long one answer may take, such as 90s or 10m. After that the request is sent once more,
+        and then the run stops.
     """
 
     model: str = ""
@@ -84,6 +88,7 @@ class ModelOptions:
     temperature: float | None = None
     effort: Literal["minimal", "low", "medium", "high"] | None = None
     max_output_tokens: Whole | None = None
+    answer_time: str = "10m"
 
 
 @Parameter(name="*", group=Group("Replay", sort_key=6))
@@ -118,7 +123,7 @@ def chosen(
     designer = designer or "offline"
     names = (*DESIGNERS, LanguageModel.name, Replay.name)
     if designer not in names:
-        raise InputError(f"no designer is called {designer!r}; choose one of {', '.join(names)}")
+        raise no_such("designer", designer, names)
     if model is not None and designer != LanguageModel.name:
         raise InputError(
             f"options of a language model were given, but the designer is {designer!r}; "
@@ -145,6 +150,7 @@ def language_model(options: ModelOptions) -> LanguageModel:
     from robomore.designers.llm.designer import LLMSettings
     from robomore.designers.llm.history import HistorySettings
     from robomore.llm import ModelBudget, Sampling, connect
+    from robomore.llm.retry import RetryPolicy
 
     if not options.model:
         raise InputError(
@@ -165,7 +171,8 @@ def language_model(options: ModelOptions) -> LanguageModel:
         ),
     )
     budget = ModelBudget(options.max_requests, options.max_tokens, options.max_cost)
-    model = connect(options.model, options.base_url, _price(options.price))
+    policy = RetryPolicy(timeout=read_duration("answer-time", options.answer_time))
+    model = connect(options.model, options.base_url, _price(options.price), policy)
     server = options.base_url or ""
     return LanguageModel(model, settings, budget, options.vision, server, options.parallel)
 
@@ -201,7 +208,11 @@ def check(*, model: ModelOptions | None = None) -> None:
 
     model = model or ModelOptions()
     asked = language_model(model)
-    policy = RetryPolicy(max_tries=_TRIES_OF_CHECK, remedy=_REMEDY_OF_CHECK)
+    policy = RetryPolicy(
+        max_tries=_TRIES_OF_CHECK,
+        timeout=read_duration("answer-time", model.answer_time),
+        remedy=_REMEDY_OF_CHECK,
+    )
     found = ask(
         connect(model.model, model.base_url, _price(model.price), policy), asked.settings.sampling
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -12,7 +11,7 @@ import msgspec
 
 from robomore.designers.designer import Designer
 from robomore.designers.llm.designer import LLMSettings
-from robomore.errors import InputError
+from robomore.errors import InputError, no_such
 from robomore.llm import ChatModel, ModelBudget
 from robomore.llm.redaction import public_url
 from robomore.registry import Registry
@@ -100,8 +99,5 @@ def make_designer(name: str, task: Task, seed: int, objective: str = "efficiency
     if name in _WITH_SETTINGS:
         raise InputError(f"the designer {name!r} needs {_WITH_SETTINGS[name]}")
     if name not in DESIGNERS:
-        names = (*DESIGNERS, *_WITH_SETTINGS)
-        near = get_close_matches(name, names, n=1)
-        hint = f" Did you mean {near[0]!r}?" if near else ""
-        raise InputError(f"no designer is called {name!r}.{hint} Choose one of {', '.join(names)}")
+        raise no_such("designer", name, (*DESIGNERS, *_WITH_SETTINGS))
     return DESIGNERS.get(name)(task, seed, objective)

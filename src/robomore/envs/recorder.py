@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from difflib import get_close_matches
 from functools import partial
 
 import mujoco
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.robots.base import Array, RobotEnvironment
-from robomore.errors import InputError
+from robomore.errors import InputError, did_you_mean
 from robomore.tasks.trajectory import Trajectory
 
 _KINDS = ("body", "site", "geom")
@@ -137,6 +136,5 @@ def _place(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Callable[[]
             positions = data.xpos if kind == "body" else getattr(data, f"{kind}_xpos")
             return lambda: positions[index]
         names += [one for one in of_kind if one and one != "world"]
-    near = get_close_matches(name, names, n=1)
-    hint = f" Did you mean {near[0]!r}?" if near else ""
+    hint = did_you_mean(name, names)
     raise InputError(f"the robot has no part {name!r}.{hint} It has {', '.join(names)}")

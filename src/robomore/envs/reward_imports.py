@@ -44,7 +44,7 @@ def offered_modules() -> dict[str, ModuleType]:
     offered = {name: ModuleType(name, module.__doc__) for name, module in real.items()}
     for name, module in real.items():
         vars(offered[name]).update(_public(name, module, offered))
-        vars(offered[name])["__getattr__"] = _absent(name, module)
+        vars(offered[name])["__getattr__"] = _absent(name, module, offered[name])
     return offered
 
 
@@ -97,17 +97,28 @@ def _seeded(name: str, make: Callable[..., Any]) -> Callable[..., Any]:
     return seeded
 
 
-def _absent(module: str, real: ModuleType) -> Callable[[str], Any]:
-    """Return what says why an attribute of a module is not there."""
+def _absent(module: str, real: ModuleType, offered: ModuleType) -> Callable[[str], Any]:
+    """Return what says why an attribute of a module is not there.
+
+    Where the name may be misspelt, the error has the module whose names are near.
+    """
+
+    def plain(name: str) -> str:
+        return f"module {module!r} has no attribute {name!r}"
 
     def absent(name: str) -> Any:
         if reason := withheld(module, name):
             raise NotOffered(module, name, reason)
         if not name.startswith("_"):
-            value = getattr(real, name)  # NumPy says what to use in the place of an old name.
+            try:
+                value = getattr(real, name)
+            except AttributeError as error:
+                if str(error) == plain(name):
+                    raise AttributeError(plain(name), name=name, obj=offered) from None
+                raise  # NumPy says what to use in the place of an old name.
             if isinstance(value, ModuleType):
                 raise NotOffered(module, name, "a reward has only the modules that it can import")
-        raise AttributeError(f"module {module!r} has no attribute {name!r}", name=name)
+        raise AttributeError(plain(name), name=name, obj=offered)
 
     return absent
 

@@ -23,7 +23,7 @@ from robomore.envs.reward_restore import load
 from robomore.envs.reward_state import UnsavedStateError, dump
 from robomore.envs.robots.base import Array, RewardFunction, RobotEnvironment
 from robomore.envs.term_record import TermRecord, as_number
-from robomore.errors import RewardFailed
+from robomore.errors import RewardFailed, meant
 from robomore.types import TermStatistics
 
 _LONGEST = 500
@@ -256,7 +256,7 @@ class RewardRunner:
             for frame, number in traceback.walk_tb(error.__traceback__)
             if frame.f_code.co_filename in files
         ]
-        said = f"{type(error).__name__}: {str(error)[:_LONGEST]}"
+        said = f"{type(error).__name__}: {str(error)[:_LONGEST]}{meant(error)}"
         if not frames:
             return said
         filename, number = frames[-1]

@@ -6,6 +6,9 @@ import os
 from numbers import Integral
 
 from robomore.errors import InputError
+from robomore.search import SearchMethod
+from robomore.settings import RunSettings
+from robomore.tasks import Task
 
 
 def ensure_usable(
@@ -38,3 +41,37 @@ def ensure_whole(what: str, value: object, least: int) -> None:
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise InputError(f"{what} is {value!r}; give a whole number from {least} up")
+
+
+def refuse_useless(
+    task: Task,
+    settings: RunSettings,
+    method: SearchMethod,
+    designer: object,
+    budget_steps: int | None,
+) -> None:
+    """Refuse limits and designers that make no sense, before anything is started.
+
+    Raises:
+        InputError: naming the value, the range and the remedy.
+    """
+    goal = task.goal
+    if settings.objective == "transport-economy" and goal.motion != "forward":
+        raise InputError(
+            f"{task.id} is about {goal.name} and transports nothing; choose --objective fitness or "
+            "efficiency"
+        )
+    if settings.objective == "efficiency" and goal.may_be_negative:
+        raise InputError(
+            f"the fitness of {task.id} ({goal.name}) may be below 0, and divided by the volume it "
+            "would then reward material; choose --objective fitness"
+        )
+    if designer is not None and not method.needs_designer:
+        raise InputError(
+            f"the method {settings.method.name!r} asks no designer; leave the designer out"
+        )
+    if budget_steps is not None and budget_steps < settings.candidate.steps:
+        raise InputError(
+            f"a budget of {budget_steps} steps does not pay for one candidate of "
+            f"{settings.candidate.steps}; give a larger --budget-steps, or smaller --steps"
+        )

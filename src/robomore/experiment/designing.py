@@ -16,7 +16,7 @@ from robomore.designers import Designer, LanguageModel, Replay, make_designer
 from robomore.designers.llm.designer import LLMDesigner, LLMSettings
 from robomore.designers.llm.training_facts import TrainingFacts
 from robomore.errors import InputError
-from robomore.events import Observer, Spent
+from robomore.events import Observer, Spent, Waiting
 from robomore.llm import BudgetedClient, MemoryLog, ReplayModel, Spending
 from robomore.rendering.snapshots import pictures
 from robomore.rewards.dry_run import DryRun
@@ -24,7 +24,7 @@ from robomore.sandbox.call import Containment
 from robomore.store import Ledger, LedgerExchanges, Manifest, RunFolder
 from robomore.tasks import Task
 from robomore.training.policy import POLICY, MLPPolicy
-from robomore.types import Curve, Evaluation
+from robomore.types import Curve, Evaluation, Slot
 
 log = logging.getLogger(__name__)
 
@@ -87,11 +87,14 @@ def choose_designer(
         dollars = None if spent.unpriced else spent.cost
         observe(Spent(spent.requests, spent.tokens, dollars))
 
+    def waits(slot: Slot, waiting: bool) -> None:
+        observe(Waiting(slot, over=not waiting))
+
     def make(folder: RunFolder, stack: ExitStack) -> Designer:
         log = stack.enter_context(closing(LedgerExchanges(folder.ledger)))
         return LLMDesigner(
             task,
-            BudgetedClient(model.model, log, model.budget, watch),
+            BudgetedClient(model.model, log, model.budget, watch, waits),
             model.settings,
             objective=objective,
             dry_run=DryRun(task, folder.scratch, containment),

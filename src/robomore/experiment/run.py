@@ -19,12 +19,12 @@ from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitRe
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
-from robomore.experiment.arguments import ensure_usable
+from robomore.experiment.arguments import ensure_usable, refuse_useless
 from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.limits import limited, refusal
-from robomore.experiment.starting import Given, checked_starts
+from robomore.experiment.starting import Given, checked_starts, try_rewards
 from robomore.experiment.training_facts import training_facts
 from robomore.identity import content_key
 from robomore.monitor.progress import ProgressFile
@@ -115,14 +115,15 @@ def run(
     method = make_method(settings.method)
     make_executor = _executor(executor, workers)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
-    _refuse_useless(task, settings, method, designer, budget_steps)
+    refuse_useless(task, settings, method, designer, budget_steps)
     # Search and designer know the limits as rules; a worker knows the task as it is.
     searched = limited(task, settings)
     starts = checked_starts(searched, start_from)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
-    given: list[str | None] = [one.reward.source for one in starts if one.reward]
-    given.append(settings.method.options.get("reward"))
-    ours = designer in (None, "offline") and all(one in (None, task.reward) for one in given)
+    given = [(one.origin, one.reward.source) for one in starts if one.reward]
+    if source := settings.method.options.get("reward"):
+        given.append((f"the option `reward` of {settings.method.name!r}", source))
+    ours = designer in (None, "offline") and all(one == task.reward for _, one in given)
     mode, layers = choose_containment(containment, ours=ours)
     chosen = _no_designer(method)
     if method.needs_designer:
@@ -170,6 +171,11 @@ def run(
     out = (
         Path(out).expanduser() if out else default_folder(task.id, name, chosen.name, seed, starts)
     )
+
+    if not RunFolder(out).manifest.exists():
+        # Only then: a dry run measures time, so it could refuse tomorrow what it took today.
+        trained = {source, *(reward.source for reward in first_rewards)}
+        try_rewards(searched, [one for one in given if one[1] in trained], mode)
 
     def time_is_up() -> bool:
         return time_limit is not None and time.monotonic() - began >= time_limit
@@ -298,40 +304,6 @@ def _note_final(ledger: Ledger, outcome: Final) -> None:
         for group, reason in outcome.passed_over
     ]
     ledger.add_event("finished", **groups, **({"passed_over": passed_over} if passed_over else {}))
-
-
-def _refuse_useless(
-    task: Task,
-    settings: RunSettings,
-    method: SearchMethod,
-    designer: object,
-    budget_steps: int | None,
-) -> None:
-    """Refuse limits and designers that make no sense, before anything is started.
-
-    Raises:
-        InputError: naming the value, the range and the remedy.
-    """
-    goal = task.goal
-    if settings.objective == "transport-economy" and goal.motion != "forward":
-        raise InputError(
-            f"{task.id} is about {goal.name} and transports nothing; choose --objective fitness or "
-            "efficiency"
-        )
-    if settings.objective == "efficiency" and goal.may_be_negative:
-        raise InputError(
-            f"the fitness of {task.id} ({goal.name}) may be below 0, and divided by the volume it "
-            "would then reward material; choose --objective fitness"
-        )
-    if designer is not None and not method.needs_designer:
-        raise InputError(
-            f"the method {settings.method.name!r} asks no designer; leave the designer out"
-        )
-    if budget_steps is not None and budget_steps < settings.candidate.steps:
-        raise InputError(
-            f"a budget of {budget_steps} steps does not pay for one candidate of "
-            f"{settings.candidate.steps}; give a larger --budget-steps, or smaller --steps"
-        )
 
 
 def _no_designer(method: SearchMethod) -> ChosenDesigner:

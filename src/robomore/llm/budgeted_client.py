@@ -14,6 +14,7 @@ from robomore.llm.exchange import Exchange, ExchangeLog, Spending, exchange_key
 from robomore.llm.model import ChatModel, Request
 from robomore.llm.tokens import estimate_prompt
 from robomore.llm.trouble import prompt_cut
+from robomore.types import Slot
 
 _log = logging.getLogger(__name__)
 
@@ -43,6 +44,7 @@ class BudgetedClient:
         log: ExchangeLog,
         budget: ModelBudget | None = None,
         watch: Callable[[Spending], None] = lambda spent: None,
+        waits: Callable[[Slot, bool], None] = lambda slot, waiting: None,
     ) -> None:
         """Make a client.
 
@@ -51,6 +53,8 @@ class BudgetedClient:
             log: where exchanges are kept.
             budget: what may be spent, by default without limits.
             watch: is called after each answer with what was spent so far, from any thread.
+            waits: is called from any thread when an answer begins to be waited for (`True`), and
+                when it is there or will not come (`False`).
 
         Raises:
             InputError: the budget limits the cost of a model without a known price.
@@ -58,6 +62,7 @@ class BudgetedClient:
         self._model = model
         self._log = log
         self._watch = watch
+        self._waits = waits
         self._budget = budget or ModelBudget()
         self._pending: list[_PendingRequest] = []
         self._cut_seen = False
@@ -128,11 +133,13 @@ class BudgetedClient:
         with self._lock:
             self._check(pending)
             self._pending.append(pending)
+        self._waits(request.slot, True)
         try:
             yield pending
         finally:
             with self._lock:
                 self._pending.remove(pending)
+            self._waits(request.slot, False)
 
     def _send(self, pending: _PendingRequest) -> None:
         """Log that a request is being sent, or raise `BudgetExhausted`.

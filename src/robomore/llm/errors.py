@@ -7,6 +7,7 @@ import json
 import socket
 from collections.abc import Iterator
 
+from httpx2 import ConnectTimeout
 from pydantic_ai.exceptions import (
     ModelAPIError,
     ModelAuthenticationError,
@@ -27,6 +28,8 @@ from robomore.llm.redaction import public_url, redact_error
 from robomore.llm.retry import TransientError
 
 _TRANSIENT_STATUS = (408, 409, 425, 429)
+_TRIES_IN_TIME = 2
+"""Tries of a request that is not answered in time. Each takes as long as a user has allowed."""
 _SCHEMA_STATUS = (400, 415, 422, 501)
 """HTTP statuses with which servers refuse a JSON schema."""
 
@@ -77,7 +80,7 @@ def translate(
                 "or correct --base-url (for ollama: OLLAMA_BASE_URL)"
             )
     if isinstance(error, TimeoutError):
-        return TransientError(f"{name} did not answer in time")
+        return _late(name)
     if not isinstance(error, ModelAPIError):
         return TransientError(_unreadable(error, name, url))
     match error:
@@ -91,8 +94,10 @@ def translate(
             return InputError(f"{name}: the prompt is too long for this model; {remedy}")
         case ModelRateLimitError() | ModelOverloadedError():
             return TransientError(f"{name} is busy: {_message(error)}", error.retry_after)
+        case ModelTimeoutError() if any(isinstance(it, ConnectTimeout) for it in _causes(error)):
+            return TransientError(f"{name} at {url} does not take the connection")
         case ModelRequestTimeout() | ModelTimeoutError():
-            return TransientError(f"{name} did not answer in time")
+            return _late(name)
         case ModelConnectionError():
             reason = f"no connection to {name} at {url}: {_message(error)}"
             return TransientError(reason, error.retry_after)
@@ -109,6 +114,11 @@ def translate(
         absent = f"{url} serves no model of the name in {name!r}"
         return InputError(f"{absent}: {_message(error)}{close}")
     return InputError(f"{name} refused the request with HTTP {status}: {_message(error)}")
+
+
+def _late(name: str) -> TransientError:
+    said = f"{name} did not answer in time (--answer-time allows it longer)"
+    return TransientError(said, most_tries=_TRIES_IN_TIME)
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:

@@ -22,12 +22,16 @@ class TransientError(Exception):
     Attributes:
         reason: the error in words, for the line that a user reads if it persists.
         retry_after: seconds that the provider asks to wait, or `None`.
+        most_tries: tries after which this error is believed, or `None` for those of the policy.
     """
 
-    def __init__(self, reason: str, retry_after: float | None = None) -> None:
+    def __init__(
+        self, reason: str, retry_after: float | None = None, most_tries: int | None = None
+    ) -> None:
         super().__init__(reason)
         self.reason = reason
         self.retry_after = retry_after
+        self.most_tries = most_tries
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,7 @@ def retry(
                 raise ModelUnavailable(
                     f"{error.reason}, and asks to wait {error.retry_after:.0f} s; {policy.remedy}"
                 ) from None
-            if tries == policy.max_tries:
+            if tries >= min(policy.max_tries, error.most_tries or policy.max_tries):
                 raise ModelUnavailable(
                     f"{error.reason} (tried {tries} times); {policy.remedy}"
                 ) from None

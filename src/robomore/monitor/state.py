@@ -16,10 +16,11 @@ from robomore.events import (
     RunBegan,
     Spent,
     Started,
+    Waiting,
 )
 from robomore.monitor.remaining import Timed, Work, seconds_left
 from robomore.plan import Stage
-from robomore.types import Evaluation, Place, Status
+from robomore.types import Evaluation, Place, Slot, Status
 
 _IDEAS = 3
 
@@ -90,6 +91,7 @@ class RunState:
             will be finalists.
         ideas: the latest proposals, newest last.
         spent: on a language model so far; `None` where none was asked.
+        asked_model: slots that a language model is asked to fill, and when it was asked.
         trouble: diagnosis of the latest failure.
         began: on the clock.
     """
@@ -106,6 +108,7 @@ class RunState:
     leaders: list[tuple[Evaluation, Place]] = field(default_factory=list)
     ideas: deque[Proposed] = field(default_factory=lambda: deque(maxlen=_IDEAS))
     spent: Spent | None = None
+    asked_model: dict[Slot, float] = field(default_factory=dict)
     trouble: str = ""
     began: float = 0.0
     _taken_up: int = 0
@@ -124,6 +127,11 @@ class RunState:
                 self.run = event
             case Proposed():
                 self.ideas.append(event)
+            case Waiting(slot, over):
+                if over:
+                    self.asked_model.pop(slot, None)
+                else:
+                    self.asked_model[slot] = self.clock()
             case Spent():
                 self.spent = event
             case BatchBegan(places):
@@ -144,6 +152,12 @@ class RunState:
     def elapsed(self) -> float:
         """Seconds since the start."""
         return self.clock() - self.began
+
+    @property
+    def waited(self) -> float | None:
+        """Seconds since the longest open question to a language model; `None` without one."""
+        since = min(self.asked_model.values(), default=None)
+        return None if since is None else self.clock() - since
 
     @property
     def done(self) -> int:

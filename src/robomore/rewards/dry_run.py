@@ -27,7 +27,7 @@ from robomore.identity import derive_seed
 from robomore.plain_files import scratch_folder
 from robomore.rewards.check import NAME, Finding
 from robomore.rewards.continuation import check_continuation
-from robomore.rewards.dry_run_findings import Growth, Observed, Term, findings, morphologies
+from robomore.rewards.dry_run_findings import Apart, Growth, Observed, Term, findings, morphologies
 from robomore.rewards.growth import amounts, growth
 from robomore.rewards.load import load_reward
 from robomore.rewards.silent import line_now, silent_findings
@@ -49,6 +49,8 @@ _BLAMELESS = (Status.FAILED, Status.UNSTABLE, Status.INVALID_MORPHOLOGY)
 _MOST_SECONDS = 10.0
 """Processor time after which a reward is not tried further: it is refused as too slow."""
 _MOST_TERMS = 64
+_ROUNDING = 1e-4
+"""Part of the sizes of terms by which they may miss the reward: numbers of 32 bits are rounded."""
 _LONGEST = 1_000
 """Characters of a finding."""
 
@@ -193,6 +195,7 @@ class _Record:
     hidden: dict[str, int] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
     growth: dict[str, Growth] = field(default_factory=dict)
+    apart: Apart | None = None
     over: bool = False
 
     def watch(self, function: RewardFunction) -> RewardFunction:
@@ -215,12 +218,13 @@ class _Record:
                 if fault in self.hidden or len(self.hidden) < _MOST_TERMS:
                     self.hidden[fault] = self.hidden.get(fault, 0) + 1
             if type(result) is tuple and len(result) == 2 and isinstance(result[1], Mapping):
-                self._record(result[1])
+                self._record(*result)
             return result
 
         return recorded
 
-    def _record(self, terms: Mapping[str, Any]) -> None:
+    def _record(self, reward: Any, terms: Mapping[str, Any]) -> None:
+        given: list[float] = []
         for name, value in terms.items():
             name = str(name)[:80]
             if name not in self.terms and len(self.terms) >= _MOST_TERMS:
@@ -230,10 +234,24 @@ class _Record:
                 number = float(value)
             except (TypeError, ValueError, OverflowError):
                 number = math.nan
+            given.append(number)
             if math.isfinite(number):
                 values.append(number)
             else:
                 self.not_finite[name] = self.not_finite.get(name, 0) + 1
+        if given and len(given) == len(terms):
+            self._add_up(reward, given)
+
+    def _add_up(self, reward: Any, terms: list[float]) -> None:
+        """Note whether all terms of a call add up to its reward, but for rounding."""
+        try:
+            returned, total = float(reward), math.fsum(terms)
+            size = math.fsum(map(abs, (returned, *terms)))
+        except (TypeError, ValueError, OverflowError):
+            return  # Whatever is wrong with such numbers, something else says it.
+        if math.isfinite(size) and abs(total - returned) > _ROUNDING * size:
+            before = self.apart or Apart(0, total, returned)
+            self.apart = replace(before, calls=before.calls + 1)
 
     def observed(self) -> Observed:
         whole = _term(self.rewards, 0)
@@ -252,6 +270,7 @@ class _Record:
             hidden=self.hidden,
             missing=self.missing,
             growth=self.growth,
+            apart=self.apart,
         )
 
 

@@ -71,6 +71,21 @@ class Growth:
 
 
 @dataclass(frozen=True, slots=True)
+class Apart:
+    """That the terms of a reward do not add up to it.
+
+    Attributes:
+        calls: in which they did not.
+        total: sum of the terms in the first of them.
+        reward: in the same call.
+    """
+
+    calls: int
+    total: float
+    reward: float
+
+
+@dataclass(frozen=True, slots=True)
 class Observed:
     """What was observed of a reward that raised nothing.
 
@@ -87,6 +102,7 @@ class Observed:
             the reward was finite all the same.
         missing: by attribute that was looked for in vain, what was probably meant.
         growth: by name of what is kept.
+        apart: calls whose terms do not add up to the reward; `None` if all do.
     """
 
     calls: int
@@ -100,6 +116,7 @@ class Observed:
     hidden: dict[str, int] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
     growth: dict[str, Growth] = field(default_factory=dict)
+    apart: Apart | None = None
 
 
 def findings(observed: Observed, source: str) -> list[Finding]:
@@ -205,14 +222,24 @@ def _about_terms(
     total = math.fsum(spreads.values())
     # A constant, such as a bonus for being healthy, is no rival.
     if len(spreads) > 1:
-        name, largest = max(spreads.items(), key=lambda item: item[1])
+        (name, largest), (second, less), *_ = sorted(spreads.items(), key=lambda item: -item[1])
         if largest > _DOMINANT * total:
             said = (
-                f"the term {name!r} dominates: under random actions it makes "
-                f"{100 * largest / total:.1f} % of all variation (standard deviations: "
-                f"{_compared(observed.terms)}), so the other terms hardly count"
+                f"the term {name!r} dominates: under random actions it varies "
+                f"{largest / less:,.0f} times as much as the next one, {second!r} (standard "
+                f"deviations {largest:.3g} and {less:.3g}), so training follows {name!r} alone and "
+                "hardly notices the others; give it a smaller weight, or the others larger ones"
             )
             found.append(Finding(line_of_term(name), "warning", said))
+    if observed.apart:
+        it = observed.apart
+        said = (
+            f"the terms do not add up to the reward in {it.calls} of {observed.calls} calls: "
+            f"{it.total:.4g} and {it.reward:.4g} in the first of them. Training uses the reward; "
+            "reports and designers see the terms, so return each as it is in the sum, its weight "
+            "included"
+        )
+        found.append(Finding(line, "note", said))
     return found
 
 
@@ -236,8 +263,3 @@ def _listed(names: Sequence[str]) -> str:
     shown = ", ".join(f"{name!r}" for name in names[:_NAMED])
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return f"{shown}{more} {'was' if len(names) == 1 else 'were'}"
-
-
-def _compared(terms: dict[str, Term]) -> str:
-    largest = sorted(terms.items(), key=lambda item: -item[1].spread)[:_NAMED]
-    return ", ".join(f"{name} {term.spread:.3g}" for name, term in largest)

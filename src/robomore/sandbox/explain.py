@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import linecache
 import traceback
-from difflib import get_close_matches
-from types import ModuleType
 
+from robomore.errors import meant
 from robomore.sandbox import heartbeat
 
 FILENAME = "<reward>"
@@ -27,23 +26,10 @@ def explain(error: BaseException) -> str:
             said = str(error)[:_LONGEST]
     except BaseException:  # noqa: BLE001  # an untrusted exception may raise as it describes itself
         said = "(its message cannot be read)"
-    said += _suggestion(error)
+    said += meant(error)
     where = reward_line(error)
     place = f" (line {where[0]}: `{where[1]}`)" if where else ""
     return f"{kind}: {said}{place}" if said else f"{kind}{place}"
-
-
-def _suggestion(error: BaseException) -> str:
-    """Return what a misspelt name of a module most likely stands for."""
-    if type(error) is not AttributeError:
-        return ""
-    name, module = error.name, error.obj
-    # Exact types alone: untrusted objects could answer with anything.
-    if type(name) is not str or type(module) is not ModuleType:
-        return ""
-    known = [it for it in vars(module) if type(it) is str and it[:1] != "_"]
-    near = get_close_matches(name, known, n=1)
-    return f". Did you mean {near[0]!r}?" if near else ""
 
 
 def reward_line(error: BaseException) -> tuple[int, str] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from robomore.errors import InputError
+from robomore.errors import no_such
 from robomore.options import with_options
 from robomore.settings import RunSettings, preset
 
@@ -75,5 +75,5 @@ def scale(name: str) -> Scale:
         InputError: there is none.
     """
     if name not in SCALES:
-        raise InputError(f"no preset is called {name!r}; choose one of {', '.join(SCALES)}")
+        raise no_such("preset", name, SCALES)
     return SCALES[name]()

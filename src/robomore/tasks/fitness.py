@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from robomore.errors import FitnessFailed, InputError
+from robomore.errors import FitnessFailed, InputError, did_you_mean
 from robomore.tasks.measures import MEASURES, FitnessMeasure
 from robomore.tasks.trajectory import Trajectory
 
@@ -45,8 +45,8 @@ class Term:
         known = self.measure.options
         if unknown := sorted(set(self.options) - set(known)):
             raise InputError(
-                f"the fitness {self.name!r} has no option {', '.join(map(repr, unknown))}; it "
-                f"takes {', '.join(known) or 'none'}"
+                f"the fitness {self.name!r} has no option {', '.join(map(repr, unknown))}."
+                f"{did_you_mean(unknown[0], known)} It takes {', '.join(known) or 'none'}"
             )
         values = {**known, **self.options}
         if missing := [name for name, value in values.items() if value is None]:

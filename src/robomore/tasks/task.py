@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from robomore.errors import InputError, InvalidMorphology
+from robomore.errors import InputError, InvalidMorphology, did_you_mean
 from robomore.tasks.fitness import Fitness, as_fitness
 from robomore.tasks.geometry import Shape
 from robomore.tasks.repeats import expanded, indices
@@ -272,7 +272,9 @@ class Task:
                 said = [f"unknown {', '.join(map(repr, unknown))}"] if unknown else []
                 said += [f"missing {', '.join(missing)}"] if missing else []
                 raise InvalidMorphology(
-                    f"{self.id}: {' and '.join(said)}; it takes {', '.join(self.names)}"
+                    f"{self.id}: {' and '.join(said)}."
+                    f"{did_you_mean(unknown[0], missing) if unknown else ''} It takes "
+                    f"{', '.join(self.names)}"
                 )
             parameters = [parameters[name] for name in self.names]
         if isinstance(parameters, str | bytes) or not hasattr(parameters, "__len__"):

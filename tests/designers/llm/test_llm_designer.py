@@ -101,7 +101,7 @@ def test_a_bad_reply_is_told_its_exact_fault_and_repaired() -> None:
 
 @pytest.mark.parametrize("repairs", [0, 1, 3])
 def test_repairs_are_bounded_and_the_slot_fails(repairs: int) -> None:
-    model = ScriptedModel(lambda asked: "no")
+    model = ScriptedModel(lambda asked: "def _get_rew(self): ...")
     made = designer(model, settings=LLMSettings(repairs=repairs))
     with pytest.raises(ProposalFailed, match=rf"no usable reward in {repairs + 1} answers"):
         made.propose_reward(REWARD, [])

@@ -205,7 +205,7 @@ def test_improvement_shows_scores_terms_movement_and_failures(kind: str) -> None
 def test_improvement_needs_something_measured() -> None:
     with pytest.raises(InputError, match="name a run"):
         render_prompt(SWIMMER, "improve-reward")
-    with pytest.raises(InputError, match="choose one of morphology"):
+    with pytest.raises(InputError, match="Choose one of morphology"):
         render_prompt(SWIMMER, "poem")
 
 

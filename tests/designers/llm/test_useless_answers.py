@@ -47,7 +47,7 @@ def test_a_run_that_had_no_useful_answer_stops(
     made = designer(ScriptedModel(lambda asked: answer), log)
     with pytest.raises(ProposalFailed):
         made.propose_morphology(BODY, [])
-    with pytest.raises(ModelUnavailable, match=f"4 answers and none is whole.*{to_user}.*--out"):
+    with pytest.raises(ModelUnavailable, match=f"4 answers and none holds .*{to_user}.*--out"):
         made.propose_morphology(Slot("coarse", "morphology", (0,), attempt=1), [])
     # The same command takes the same way, and pays for nothing.
     again = designer(ReplayModel(log), MemoryLog())
@@ -65,6 +65,27 @@ def test_a_run_with_a_useful_answer_goes_on() -> None:
         with pytest.raises(ProposalFailed):
             made.propose_reward(Slot("coarse", "reward", (0,), attempt=attempt), [])
     assert made.propose_reward(Slot("coarse", "reward", (1,)), [])
+
+
+@pytest.mark.parametrize("answer", ["I'm sorry, I can't.", "<think>hm</think>", "[1, 2]"])
+def test_answers_without_a_design_are_counted_over_slots(answer: str) -> None:
+    model = ScriptedModel(lambda asked: answer)
+    made = designer(model, settings=LLMSettings(repairs=1))
+    with pytest.raises(ProposalFailed, match="choose another model"):
+        made.propose_morphology(BODY, [])
+    with pytest.raises(ModelUnavailable, match=r"4 answers and none holds .*it begins"):
+        made.propose_reward(REWARD, [])
+    assert len(model.asked) == 4
+
+
+def test_a_model_that_answers_with_a_design_at_last_goes_on() -> None:
+    refusal = "I'm sorry, I can't."
+    made = designer([*[refusal] * 3, said(0.3), *[refusal] * 4, said(0.4)])
+    assert made.propose_morphology(BODY, []).parameters[0] == 0.3
+    again = Slot("coarse", "morphology", (1,))
+    with pytest.raises(ProposalFailed, match=r"it begins .I.m sorry, I can.t"):
+        made.propose_morphology(again, [])
+    assert made.propose_morphology(Slot("coarse", "morphology", (1,), attempt=1), [])
 
 
 def test_thinking_that_ends_in_time_at_the_second_try_is_no_failure() -> None:

@@ -8,7 +8,7 @@ from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
-from robomore.designers.llm.extraction import HOLDS_NONE
+from robomore.designers.llm.extraction import EMPTY, HOLDS_NONE
 from robomore.designers.llm.history import CurveOf, HistorySettings
 from robomore.designers.llm.parsing import (
     InvalidReply,
@@ -226,7 +226,7 @@ class LLMDesigner:
 
         Raises:
             ProposalFailed: the repairs are used up, or repeating cannot help.
-            ModelUnavailable: all answers so far were empty, withheld or cut off.
+            ModelUnavailable: none of the answers so far held a design.
         """
         *before, question = prompt
         if slot.attempt:
@@ -246,30 +246,29 @@ class LLMDesigner:
                 with self._lock:
                     proposal = parse(exchange)
             except InvalidReply as invalid:
+                trouble = trouble or _without_design(invalid.errors, exchange.reply)
                 errors = _explained(invalid.errors, trouble)
                 self._client.set_errors(exchange, errors)
             else:
                 self._answers.useful = True
                 self._client.set_errors(exchange, ())
                 return proposal
-            self._stop_if_useless(trouble)
+            said = [trouble.to_user] if trouble else list(errors)
+            if cut := prompt_cut(exchange.messages, exchange.input_tokens):
+                said.append(cut)
+            self._stop_if_useless(trouble, said)
             if alike == _MOST_ALIKE:
                 break
             # Some providers refuse an empty message.
             echo = exchange.reply[:_LONGEST_ECHO] or "(no answer)"
             conversation = (*conversation, Message("assistant", echo), repair_message(errors))
-        said = [trouble.to_user] if trouble else list(errors)
-        if said[0].startswith(HOLDS_NONE):
-            said.append(f"it begins {one_line(exchange.reply)[:_LONGEST_QUOTE]!r}")
-        if cut := prompt_cut(exchange.messages, exchange.input_tokens):
-            said.append(cut)
         raise ProposalFailed(
             f"no usable {slot.kind} in {repair + 1} answers; wrong with the last: "
             + "; ".join(said)
         )
 
-    def _stop_if_useless(self, trouble: Trouble | None) -> None:
-        """Raise `ModelUnavailable` if all answers so far were empty, withheld or cut off."""
+    def _stop_if_useless(self, trouble: Trouble | None, said: Sequence[str]) -> None:
+        """Raise `ModelUnavailable` if all answers so far had a trouble."""
         if trouble is None:
             # The model can answer, although not yet in the right form.
             self._answers.useful = True
@@ -277,16 +276,31 @@ class LLMDesigner:
         self._answers.useless += 1
         if self._answers.useless >= _MOST_USELESS and not self._answers.useful:
             raise ModelUnavailable(
-                f"{self._client.model.name} gave {self._answers.useless} answers and none is "
-                f"whole: {trouble.to_user}. Start a new run (--out) with other settings"
+                f"{self._client.model.name} gave {self._answers.useless} answers and none holds a "
+                f"whole design: {'; '.join(said)}. Start a new run (--out) with other settings"
             )
+
+
+def _without_design(errors: Sequence[str], reply: str) -> Trouble | None:
+    """Return the trouble with a whole answer that holds no design, `None` if it holds one."""
+    if not errors[0].startswith((HOLDS_NONE, EMPTY)):
+        return None
+    lines = [line for line in map(one_line, reply.splitlines()) if line]
+    first = lines[0] if lines else ""
+    quote = first if len(first) <= _LONGEST_QUOTE else first[:_LONGEST_QUOTE] + "…"
+    return Trouble(
+        f"{errors[0]}; it begins {quote!r}; choose another model, or see with `robomore llm check` "
+        "whether this one can answer in JSON",
+        errors[0],
+        lasting=False,
+    )
 
 
 def _explained(errors: Sequence[str], trouble: Trouble | None) -> tuple[str, ...]:
     """Return the errors of a reply with the true reason first."""
     if trouble is None:
         return tuple(errors)
-    others = [e for e in errors if e not in (trouble.to_model, "the answer is empty")]
+    others = [e for e in errors if e not in (trouble.to_model, EMPTY)]
     if trouble.lasting:
         # Nothing else about such an answer is worth a correction.
         return (trouble.to_model,)

@@ -34,6 +34,8 @@ _INVISIBLE = re.compile("[\ufeff\u200b\u2060]")
 
 HOLDS_NONE = "the answer holds no"
 """The message about an answer without any JSON or Python code begins so."""
+EMPTY = "the answer is empty"
+"""The message about an answer with nothing beside thoughts."""
 
 
 class NotFound(Exception):
@@ -74,7 +76,7 @@ def cleared(text: str, wanted: str) -> str:
     text = without_thoughts(without_quote(text, wanted), wanted)
     text = unboxed(text, wanted)
     if not text:
-        raise NotFound("the answer is empty")
+        raise NotFound(EMPTY)
     return text
 
 

@@ -29,7 +29,7 @@ from robomore.designers.llm.history import (
 from robomore.designers.llm.robot_facts import episode_facts, robot_layout, volume_line
 from robomore.designers.llm.score_table import Numbers, score_table, spread_sentence
 from robomore.designers.llm.training_facts import TrainingFacts
-from robomore.errors import InputError
+from robomore.errors import InputError, no_such
 from robomore.llm.model import Message
 from robomore.llm.tokens import estimate_tokens
 from robomore.tasks.task import Task
@@ -80,7 +80,7 @@ def render_prompt(
         InputError: there is no such kind, or nothing to improve on.
     """
     if kind not in KINDS:
-        raise InputError(f"unknown prompt {kind!r}; choose one of {', '.join(KINDS)}")
+        raise no_such("prompt", kind, KINDS)
     part = kind.removeprefix("improve-")
     parts = [_base(task, part, objective, training)]
     if kind != part:
