@@ -22,7 +22,8 @@ class TransientError(Exception):
     Attributes:
         reason: the error in words, for the line that a user reads if it persists.
         retry_after: seconds that the provider asks to wait, or `None`.
-        most_tries: tries after which this error is believed, or `None` for those of the policy.
+        most_tries: tries that may end like this, whatever ended others, or `None` for those of
+            the policy.
     """
 
     def __init__(
@@ -72,15 +73,18 @@ def retry(
         ModelUnavailable: every try failed, or the provider asks for too long a wait.
         ValueError: the policy allows no try.
     """
+    alike = 0
     for tries in range(1, policy.max_tries + 1):
         try:
             return call()
         except TransientError as error:
+            alike += error.most_tries is not None
             if error.retry_after is not None and error.retry_after > policy.max_retry_after:
                 raise ModelUnavailable(
                     f"{error.reason}, and asks to wait {error.retry_after:.0f} s; {policy.remedy}"
                 ) from None
-            if tries >= min(policy.max_tries, error.most_tries or policy.max_tries):
+            believed = error.most_tries is not None and alike >= error.most_tries
+            if believed or tries == policy.max_tries:
                 raise ModelUnavailable(
                     f"{error.reason} (tried {tries} times); {policy.remedy}"
                 ) from None
