@@ -6,22 +6,22 @@
 Morphologies that the offline designer proposes are trained for a short time: under the reference
 reward, and under one of the offline designer's terms, 3 for each m/s and a bonus of some weight
 for each healthy step. A ratio compares a weight with the reference reward on the same morphology
-and seed; its geometric mean has a 95 % interval from a bootstrap over seeds within morphologies.
+and seed; its geometric mean has a 95 % interval from a bootstrap over the seeds of each morphology.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 from collections import defaultdict
 from pathlib import Path
 from statistics import median
-
-import numpy as np
 
 from curves import Course, follow_all
 from robomore.designers.offline.morphology_sampler import MorphologySampler
 from robomore.designers.offline.reward_composition import RewardComposition
 from robomore.designers.offline.robot_semantics import robot_semantics
+from robomore.statistics.aggregate import mean_of_all, stratified_interval
 from robomore.tasks import get_task
 from robomore.types import Morphology, Slot, TrainerSettings
 
@@ -49,14 +49,6 @@ def rewards(robot: str, weights: list[float]) -> dict[str, str]:
     }
     own = {label: RewardComposition(one).source(semantics) for label, one in terms.items()}
     return {REFERENCE: ""} | own
-
-
-def interval(ratios: np.ndarray) -> tuple[float, float]:
-    """Return the bootstrap interval of the mean of log ratios (morphologies, seeds)."""
-    random = np.random.default_rng(0)
-    drawn = [np.mean([random.choice(row, len(row)) for row in ratios]) for _ in range(2_000)]
-    low, high = np.percentile(drawn, [2.5, 97.5])
-    return float(np.exp(low)), float(np.exp(high))
 
 
 def main() -> None:
@@ -100,18 +92,20 @@ def main() -> None:
                 + " ".join(f"{value:.2f}" for value in values)
             )
     print("\nover the reference reward, geometric mean and 95 % interval")
-    for label in found.keys() - {REFERENCE}:
-        logs = np.array(
+    reference = found.pop(REFERENCE)
+    for label, bodies in found.items():
+        # A training that did not end has no mark; its pair is left out.
+        logs = [
             [
-                [
-                    np.log(max(value, FLOOR) / max(found[REFERENCE][body][seed], FLOOR))
-                    for seed, value in sorted(by_seed.items())
-                ]
-                for body, by_seed in sorted(found[label].items())
+                math.log(max(fitness, FLOOR) / max(reference[body][seed], FLOOR))
+                for seed, fitness in by_seed.items()
+                if seed in reference[body]
             ]
-        )
-        low, high = interval(logs)
-        print(f"{label:<11}{np.exp(logs.mean()):>6.2f}  [{low:.2f}, {high:.2f}]")
+            for body, by_seed in sorted(bodies.items())
+        ]
+        low, high = stratified_interval(mean_of_all, logs)
+        mean = math.exp(mean_of_all(logs))
+        print(f"{label:<11}{mean:>6.2f}  [{math.exp(low):.2f}, {math.exp(high):.2f}]")
 
 
 if __name__ == "__main__":
