@@ -16,7 +16,7 @@ MODULES = sorted(SOURCE.rglob("*.py"))
 
 LAYERS = (
     {"errors", "post_import", "text"},
-    {"plain_files", "types"},
+    {"plain_files", "suggestions", "types"},
     {"identity", "plan", "registry", "settings", "statistics"},
     {"events", "options"},
     {"tasks"},

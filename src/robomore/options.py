@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, get_args
 
-from robomore.errors import InputError, did_you_mean
+from robomore.errors import InputError
 from robomore.identity import content_key
 from robomore.settings import (
     PRESETS,
@@ -20,6 +20,7 @@ from robomore.settings import (
     with_steps,
     with_trainer,
 )
+from robomore.suggestions import did_you_mean
 
 _LONGEST_NAME = 100
 """Characters of a name of settings; file systems take 255 for all of a folder's name."""

@@ -14,7 +14,8 @@ from functools import cached_property
 from importlib.metadata import EntryPoint, distributions, entry_points
 from typing import Generic, TypeVar
 
-from robomore.errors import InputError, no_such
+from robomore.errors import InputError
+from robomore.suggestions import no_such
 
 T = TypeVar("T")
 

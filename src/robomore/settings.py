@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_t
 
 import msgspec
 
-from robomore.errors import InputError, did_you_mean, no_such
+from robomore.errors import InputError
+from robomore.suggestions import did_you_mean, no_such
 from robomore.types import MethodSettings, TrainerSettings
 
 T = TypeVar("T")

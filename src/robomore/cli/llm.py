@@ -12,7 +12,8 @@ from cyclopts import App, Group, Parameter
 from robomore.cli.inputs import read_duration
 from robomore.cli.output import write
 from robomore.cli.whole import Whole
-from robomore.errors import InputError, ModelUnavailable, no_such
+from robomore.errors import InputError, ModelUnavailable
+from robomore.suggestions import no_such
 
 if TYPE_CHECKING:
     from robomore.designers import LanguageModel, Replay

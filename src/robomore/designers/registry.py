@@ -11,10 +11,11 @@ import msgspec
 
 from robomore.designers.designer import Designer
 from robomore.designers.llm.designer import LLMSettings
-from robomore.errors import InputError, no_such
+from robomore.errors import InputError
 from robomore.llm import ChatModel, ModelBudget
 from robomore.llm.redaction import public_url
 from robomore.registry import Registry
+from robomore.suggestions import no_such
 from robomore.tasks.task import Task
 
 Factory = Callable[[Task, int, str], Designer]

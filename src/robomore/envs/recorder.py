@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.robots.base import Array, RobotEnvironment
-from robomore.errors import InputError, did_you_mean
+from robomore.errors import InputError
+from robomore.suggestions import did_you_mean
 from robomore.tasks.trajectory import Trajectory
 
 _KINDS = ("body", "site", "geom")

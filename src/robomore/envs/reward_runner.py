@@ -23,7 +23,8 @@ from robomore.envs.reward_restore import load
 from robomore.envs.reward_state import UnsavedStateError, dump
 from robomore.envs.robots.base import Array, RewardFunction, RobotEnvironment
 from robomore.envs.term_record import TermRecord, as_number
-from robomore.errors import RewardFailed, meant
+from robomore.errors import RewardFailed
+from robomore.suggestions import meant
 from robomore.types import TermStatistics
 
 _LONGEST = 500

@@ -8,8 +8,8 @@ from __future__ import annotations
 import linecache
 import traceback
 
-from robomore.errors import meant
 from robomore.sandbox import heartbeat
+from robomore.suggestions import meant
 
 FILENAME = "<reward>"
 """The name under which a reward's lines stand in tracebacks."""

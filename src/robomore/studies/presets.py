@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from robomore.errors import no_such
 from robomore.options import with_options
 from robomore.settings import RunSettings, preset
+from robomore.suggestions import no_such
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from robomore.errors import FitnessFailed, InputError, did_you_mean
+from robomore.errors import FitnessFailed, InputError
+from robomore.suggestions import did_you_mean
 from robomore.tasks.measures import MEASURES, FitnessMeasure
 from robomore.tasks.trajectory import Trajectory
 

@@ -13,7 +13,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from robomore.errors import InputError, InvalidMorphology, did_you_mean
+from robomore.errors import InputError, InvalidMorphology
+from robomore.suggestions import did_you_mean
 from robomore.tasks.fitness import Fitness, as_fitness
 from robomore.tasks.geometry import Shape
 from robomore.tasks.repeats import expanded, indices

@@ -29,9 +29,10 @@ from robomore.designers.llm.history import (
 from robomore.designers.llm.robot_facts import episode_facts, robot_layout, volume_line
 from robomore.designers.llm.score_table import Numbers, score_table, spread_sentence
 from robomore.designers.llm.training_facts import TrainingFacts
-from robomore.errors import InputError, no_such
+from robomore.errors import InputError
 from robomore.llm.model import Message
 from robomore.llm.tokens import estimate_tokens
+from robomore.suggestions import no_such
 from robomore.tasks.task import Task
 from robomore.types import Evaluation, Morphology, Reward
 
