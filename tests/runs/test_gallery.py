@@ -9,14 +9,20 @@ import pytest
 
 from audit.canned import copy_with_canned_audits
 from dog import write_dog
+from robomore.audit import Subject
+from robomore.audit.seeds import REPORTED
 from robomore.errors import InputError, RunFolderError
+from robomore.experiment import auditing
 from robomore.experiment.auditing import audit_run
 from robomore.importer.proposal import write_proposal
 from robomore.importer.reading import read_robot
 from robomore.importer.task_file import read_task
+from robomore.plain_files import PlainFolder
 from robomore.runs import load_run
 from robomore.runs.gallery import add_entry, load_entry, load_gallery
+from robomore.store.audit import Audit, Verdict, save_audit
 from robomore.store.champion import write_design, write_sums
+from robomore.training.policy import MLPPolicy
 from robomore.types import Design, Evaluation, Job, Morphology, Reward, Status, TrainerSettings
 
 
@@ -87,3 +93,30 @@ def test_a_design_of_an_own_task_brings_its_task(tmp_path: Path) -> None:
     entry = load_entry(tmp_path / "out")  # `get_task` knows no task of this id here
     assert entry.task.id == task.id and entry.facts.parameters == task.named(task.reference)
     assert entry.task.mjcf(task.reference) == task.mjcf(task.reference)
+
+
+def test_an_audit_made_again_still_knows_what_the_run_told(
+    audited: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = add_entry(load_run(audited), tmp_path / "gallery")
+    entry = load_entry(folder)
+    policy = MLPPolicy.load(folder / "policy.npz")
+    told = Verdict("other seeds", "passes", "As told.", {REPORTED: 0.75})
+    save_audit(
+        PlainFolder(folder),
+        "audit.json",
+        Audit(entry.task.id, policy.digest, 1, 1.0, 1.0, 1.0, {}, (told,)),
+    )
+    asked: list[float | None] = []
+
+    def audit(subject: Subject) -> Audit:
+        asked.append(subject.reported)
+        assert entry.audit is not None
+        return entry.audit
+
+    monkeypatch.setattr(auditing, "audit", audit)
+    parameters = tuple(entry.facts.parameters.values())
+    auditing.audit_design(folder, entry.task, parameters, policy)
+    other = MLPPolicy(policy.weights, tuple(bias + 1 for bias in policy.biases))
+    auditing.audit_design(folder, entry.task, parameters, other)
+    assert asked == [0.75, None]

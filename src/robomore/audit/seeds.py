@@ -6,6 +6,9 @@ from robomore.audit.subject import Subject
 from robomore.runs.words import in_unit, number
 from robomore.store.audit import Outcome, Verdict
 
+REPORTED = "reported"
+"""Name of the number that the run tells."""
+
 FAILS_BELOW, WARNS_BELOW = 0.5, 0.8
 """Fractions of the fitness that the run tells. Episodes differ by their start, and a mean of ten of
 them is off by a few per cent; half of it is another robot, another policy, or a number that is not
@@ -26,7 +29,7 @@ def check(subject: Subject) -> Verdict:
     numbers = {"fitness": found.fitness, "lowest": low, "highest": high}
     if subject.reported is None:
         return Verdict(name, "passes", f"{said}; the run tells no number.", numbers)
-    numbers["reported"] = subject.reported
+    numbers[REPORTED] = subject.reported
     share = found.fitness / subject.reported if subject.reported > 0 else 1.0
     outcome: Outcome = (
         "fails" if share < FAILS_BELOW else "warns" if share < WARNS_BELOW else "passes"

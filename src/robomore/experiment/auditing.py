@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from robomore.audit import Audit, Subject, audit
+from robomore.audit.seeds import REPORTED
 from robomore.errors import InputError
 from robomore.evaluation.evaluator import Evaluator
 from robomore.plain_files import PlainFolder
@@ -49,12 +50,26 @@ def audit_run(folder: str | Path, key: str | None = None) -> Audit:
 def audit_design(folder: Path, task: Task, parameters: Sequence[float], policy: MLPPolicy) -> Audit:
     """Audit a design of a folder with `design.json` and `policy.npz`, and write the audit there.
 
+    What an earlier audit of this policy knew of its run, the fitness that the run tells, is kept.
+
     Raises:
         InputError: the folder cannot be written.
     """
-    found = audit(Subject(task, task.check(parameters), policy))
-    _write(PlainFolder(folder), AUDIT, found)
+    files = PlainFolder(folder)
+    told = _told_by_run(files, policy)
+    found = audit(Subject(task, task.check(parameters), policy, told))
+    _write(files, AUDIT, found)
     return found
+
+
+def _told_by_run(files: PlainFolder, policy: MLPPolicy) -> float | None:
+    try:
+        earlier = load_audit(files, AUDIT)
+    except ValueError:  # it is made anew
+        return None
+    if earlier is None or earlier.policy != policy.digest:
+        return None
+    return next((v.numbers[REPORTED] for v in earlier.verdicts if REPORTED in v.numbers), None)
 
 
 def no_doubt(group: Sequence[Evaluation]) -> str:
