@@ -121,7 +121,7 @@ def _tell(read: ReadTask, before: Sequence[str] = ()) -> None:
         f"{', '.join(group.joints)}"
         for group in read.plan.motors
     ]
-    lines += [f"  note: {note}" for note in (*before, *read.notes)]
+    lines += [f"  note: {note}" for note in dict.fromkeys((*before, *read.notes))]
     write("\n".join(lines) + "\n")
 
 
