@@ -32,8 +32,8 @@ demo: $(VENV)/.run ## Search for a better robot on this machine; ends with a rep
 		--method-option morphologies=3 --method-option rewards=2 --method-option max_cycles=2 \
 		--seed 0 --out runs/demo
 
-picture: $(VENV)/.run ## Make the README's moving picture from what the demo found
-	$(BIN)/robomore play runs/demo --beside --seconds 10 --out docs/assets/champion.webp
+picture: $(VENV)/.run ## Make a moving picture like the README's from what the demo found
+	$(BIN)/robomore play runs/demo --beside --seconds 10 --out runs/demo/champion.webp
 
 test: $(VENV)/.dev ## Run the tests, on all cores
 	$(PYTEST) $(TOGETHER)

@@ -118,10 +118,13 @@ def test_the_picture_moves_and_is_small() -> None:
     assert path.stat().st_size < 3 * 2**20
     with Image.open(path) as picture:
         assert getattr(picture, "n_frames", 1) > 100
-    # The verb runs the very command that the page names.
-    command = "robomore play runs/demo --beside --seconds 10 --out docs/assets/champion.webp"
+    # The verb runs the very command that the page names, and what it writes is nobody's change.
+    command = "robomore play runs/demo --beside --seconds 10 --out runs/demo/champion.webp"
     assert f"$(BIN)/{command}\n" in (ROOT / "Makefile").read_text()
     assert f"\n{command}\n" in (ROOT / "README.md").read_text()
+    assert "/runs/" in (ROOT / ".gitignore").read_text().splitlines()
+    renewed = "cp runs/demo/champion.webp docs/assets/champion.webp"
+    assert renewed in (ROOT / "CONTRIBUTING.md").read_text()
 
 
 def test_the_documents_show_commands() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ def copied(trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 def test_an_audit_lies_beside_its_policy_and_is_told(copied: Path, robomore_: Command) -> None:
     assert audit_of(load_run(copied)) is None
     assert "audit:" not in robomore_("show", copied).out
+    assert robomore_("show", copied, "--json").json["audit"] is None
     assert "It is not audited." in robomore_("show", copied / "champion").out
     said = robomore_("audit", copied)
     assert said.status == 1
@@ -35,6 +37,7 @@ def test_an_audit_lies_beside_its_policy_and_is_told(copied: Path, robomore_: Co
     assert "5 J came / from nowhere." in robomore_("audit", copied, "--markdown").out
     assert audit_of(found, found.reference.evaluations[0].key) is None  # type: ignore[union-attr]
     assert "audit: The design fails 1 of 2 checks" in robomore_("show", copied).words
+    assert robomore_("show", copied, "--json").json["audit"] == json.loads(kept.read_text())
     assert "fails energy balance" in robomore_("show", copied / "champion").words
 
 

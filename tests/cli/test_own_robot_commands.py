@@ -35,3 +35,13 @@ def test_motors_that_the_file_lacks_are_told_and_its_own_keep_their_torque(
     said = robomore_("new", own, "--out", tmp_path / "own").words
     assert "added by" not in said
     assert "reach" not in (tmp_path / "own" / "task.toml").read_text()
+
+
+def test_a_keyframe_outside_of_a_range_is_told_by_both(tmp_path: Path, robomore_: Command) -> None:
+    pose = " ".join(["0.8 -0.4", *["0.8 -1.6"] * 3])
+    key = f'<keyframe><key name="home" qpos="0 0 0.3 1 0 0 0 {pose}"/></keyframe></mujoco>'
+    robot = write_dog(tmp_path, DOG.replace("</mujoco>", key))
+    said = robomore_("new", robot, "--out", tmp_path / "dog")
+    assert said.status == 0 and "`FL_knee`: -0.4 became -0.9 rad" in said.words
+    checked = robomore_("check-task", tmp_path / "dog" / "task.toml").words
+    assert "`FL_knee`: rests at -0.9" in checked and "none of them holds the rest pose" in checked

@@ -10,6 +10,7 @@ from cli.commands import Command
 from fake_run import PROVENANCE, FakeRun, foreign_run, random_run, reference_run
 from robomore.runs import load_run
 from robomore.runs.words import with_interval
+from robomore.types import Design, Place, Reward
 
 
 def test_show_prints_the_champion_and_who_proposed_it(robomore_: Command, finished: Path) -> None:
@@ -38,6 +39,23 @@ def test_show_json_is_json_alone(robomore_: Command, finished: Path) -> None:
     assert said.err == ""
     assert said.json["champion"]["fitness"]["mean"] == 13.0
     assert said.json["provenance"] == PROVENANCE
+
+
+@pytest.mark.parametrize(
+    "more", ["".join(f"    x = {n}\n" for n in range(20_000)), f"    x = '{'y' * 200_000}'\n"]
+)
+def test_of_a_foreign_reward_of_any_length_only_the_beginning_is_printed(
+    robomore_: Command, tmp_path: Path, more: str
+) -> None:
+    run = FakeRun(tmp_path / "run")
+    reward = Reward(run.reference.reward.source.rstrip() + "\n" + more, "long")
+    run.add(Design(run.reference.morphology, reward), Place(stage="coarse", index=(0, 0)), 12.0)
+    said = robomore_("show", tmp_path / "run")
+    assert said.status == 0 and "def _get_rew" in said.out
+    assert len(said.out) < 30_000 and said.out.count("\n") < 300
+    left = len(reward.source.rstrip())
+    assert f"more characters of {left:,}; the same command with --json has all of it" in said.out
+    assert robomore_("show", tmp_path / "run", "--json").json["champion"]["reward"] == reward.source
 
 
 def test_show_of_a_run_that_goes_on(robomore_: Command, tmp_path: Path) -> None:

@@ -144,4 +144,4 @@ def test_many_joints_get_motors_in_time() -> None:
     )
     trunk = f'<body name="t"><freejoint/><geom size="1"/>{legs}</body>'
     model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{trunk}</worldbody></mujoco>")
-    assert sum(len(group.joints) for group in propose_motors(model)) == 150
+    assert sum(len(one.group.joints) for one in propose_motors(model)) == 150

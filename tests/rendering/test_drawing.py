@@ -12,6 +12,8 @@ import pytest
 from robomore.envs.compile import compile_model
 from robomore.errors import InputError, InvalidMorphology
 from robomore.rendering.drawing import (
+    Array,
+    Scene,
     draw,
     elevation,
     ground_lines,
@@ -82,16 +84,82 @@ def test_near_parts_are_drawn_over_far_ones() -> None:
     assert depths[0] < depths[-1]
 
 
-def test_other_shapes_become_the_nearest_capsule() -> None:
+def seen(geom: str, joint: str = "<joint type='hinge' axis='0 1 0'/>") -> Scene:
+    """Return the picture of a robot of one solid; with a hinge it is seen from the side."""
     model = mujoco.MjModel.from_xml_string(
-        "<mujoco><worldbody><body><joint type='hinge' axis='0 1 0'/>"
-        "<geom type='box' size='.1 .2 .5'/></body></worldbody></mujoco>"
+        "<mujoco><asset><mesh name='wedge' vertex='0 0 0 .4 0 0 0 .2 0 0 0 .6'/></asset>"
+        f"<worldbody><body>{joint}<geom {geom}/></body></worldbody></mujoco>"
     )
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    (stroke,) = project(model, data, view_of(model)).strokes
-    assert stroke.radius == pytest.approx(0.15)
-    assert np.linalg.norm(stroke.end - stroke.start) == pytest.approx(2 * (0.5 - 0.15))
+    return project(model, data, view_of(model))
+
+
+def area(corners: Array) -> float:
+    x, y = corners.T
+    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+
+
+@pytest.mark.parametrize(
+    ("geom", "size", "filled"),
+    [
+        ("type='box' size='.1 .2 .5'", (0.2, 1.0), 0.2),
+        ("type='box' size='.1 .2 .5' euler='0 90 0'", (1.0, 0.2), 0.2),
+        ("type='cylinder' size='.1 .3'", (0.2, 0.6), 0.12),
+        ("type='cylinder' size='.1 .3' euler='90 0 0'", (0.2, 0.2), np.pi * 0.01),
+        ("type='ellipsoid' size='.1 .2 .5'", (0.2, 1.0), np.pi * 0.05),
+        ("type='mesh' mesh='wedge'", (0.4, 0.6), 0.12),
+    ],
+)
+def test_other_solids_have_their_own_outline(
+    geom: str, size: tuple[float, float], filled: float
+) -> None:
+    scene = seen(geom)
+    assert scene.high - scene.low == pytest.approx(size, rel=0.01)
+    (stroke,) = scene.strokes
+    (face,) = stroke.faces
+    assert area(face.corners) == pytest.approx(filled, rel=0.02)
+
+
+def test_of_a_box_three_sides_are_seen_from_above_and_its_top_is_lightest() -> None:
+    scene = seen("type='box' size='.1 .2 .5'", "<freejoint/>")
+    (stroke,) = scene.strokes
+    assert len(stroke.faces) == 3
+    a, e = np.radians(-65.0), np.radians(24.0)
+    facing = np.abs([np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)])
+    areas = [area(face.corners) for face in stroke.faces]
+    assert areas == pytest.approx(np.array([0.4, 0.2, 0.08]) * facing)
+    # They touch and do not overlap, and all are on the near side: the nearest corner is in each.
+    shared = set.intersection(
+        *({tuple(np.round(c, 9)) for c in face.corners} for face in stroke.faces)
+    )
+    assert len(shared) == 1
+    assert np.argmax([face.brightness for face in stroke.faces]) == 2
+
+
+def test_a_box_stands_on_the_ground_in_a_picture() -> None:
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body pos='0 0 3'><freejoint/><geom type='box' size='.3 .2 .05'/>"
+        "</body></worldbody></mujoco>"
+    )
+    assert rest_pose(model)[2] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("joint", ["<freejoint/>", "<joint type='hinge' axis='0 1 0'/>"])
+def test_pictures_of_a_box_fill_it(joint: str) -> None:
+    scene = seen("type='box' size='.1 .2 .5'", joint)
+    frame = frame_around(scene, 200, 150)
+    root = ElementTree.fromstring(svg(scene, frame))
+    (stroke,) = scene.strokes
+    drawn = root.findall("{http://www.w3.org/2000/svg}polygon")
+    assert len(drawn) == len(stroke.faces) and not root.findall("{http://www.w3.org/2000/svg}line")
+    picture = image(scene, frame)
+    for face in stroke.faces:
+        corners = frame.pixels(face.corners)
+        # Close to each corner, where a capsule would leave the background.
+        for x, y in corners + 0.15 * (corners.mean(axis=0) - corners):
+            red, _, blue = picture.getpixel((int(x), int(y)))  # type: ignore[misc]
+            assert red > blue + 40, "the colour of a torso is orange"
 
 
 def test_the_elevation_is_that_of_the_height_field() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from robomore.runs.lineage import Record
-from robomore.runs.pareto import covered, pareto_set
+from robomore.runs.pareto import covered, in_words, pareto_set
 from robomore.types import Evaluation, Place, Status
 from test_types import MOVED
 
@@ -48,3 +48,25 @@ def test_what_is_covered_is_relative_to_the_reference() -> None:
     assert covered(run_of(design("a", 20.0, 0.5, 100.0))) == pytest.approx(2 * 0.5 * 0.5)
     assert covered(run_of(design("larger", 20.0, 2.0, 100.0))) == 0
     assert covered(Searched([], None)) is None  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("designs", "expected"),
+    [
+        ([], "0 designs"),
+        ([design("larger", 20.0, 2.0, 100.0)], "1 design; none gets forward with both less"),
+        ([design("a", 20.0, 0.5, 100.0)], "1 design"),
+        (
+            [design("a", 20.0, 0.5, 100.0), design("b", 10.0, 0.25, 100.0)],
+            "2 designs, hypervolume 0.6250: what",
+        ),
+    ],
+)
+def test_what_is_covered_is_told_where_it_says_something(
+    designs: list[Evaluation], expected: str
+) -> None:
+    run = run_of(*designs)
+    run.pareto_set, run.hypervolume = pareto_set(run), covered(run)
+    said = in_words(run)
+    assert said.startswith(expected)
+    assert ("hypervolume" in said) == ("hypervolume" in expected)

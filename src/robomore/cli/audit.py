@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import msgspec
 from cyclopts import Parameter
 
 from robomore.cli.output import console, write, write_json
@@ -58,7 +57,7 @@ def audit(
         (one,) = find_policies(design, evaluation)
         found = audit_design(one.folder, one.task, one.parameters, one.policy)
     if as_json:
-        write_json({"passes": found.passes, **msgspec.to_builtins(found)})
+        write_json(found.as_data())
     elif markdown:
         write(as_markdown(found, known_task(found.task).goal.unit))
     else:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
-from robomore.cli.output import console, tell, write, write_json
+from robomore.cli.output import beginning, console, tell, write, write_json
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -105,7 +106,9 @@ def show_entry(folder: Path, as_json: bool) -> None:
         value = number(one.facts.parameters[parameter.name])
         table.add_row(f"{parameter.name} {parameter.unit}", value)
     screen.print(table)
-    screen.print(f"\n{one.reward.rstrip()}\n")
+    screen.print()
+    screen.print(beginning(one.reward.rstrip(), f"`robomore show {quote(str(folder))} --json`"))
+    screen.print()
     if one.audit is None:
         screen.print("It is not audited.")
     else:
@@ -129,13 +132,10 @@ def _verdict(one: Entry) -> str:
 def _data(one: Entry) -> dict[str, Any]:
     import msgspec
 
-    audit = None
-    if one.audit is not None:
-        audit = {"passes": one.audit.passes, **msgspec.to_builtins(one.audit)}
     return {
         "name": one.folder.name,
         **msgspec.to_builtins(one.facts),
         "reward": one.reward,
         "origin": msgspec.to_builtins(one.origin),
-        "audit": audit,
+        "audit": one.audit.as_data() if one.audit else None,
     }

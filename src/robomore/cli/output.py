@@ -38,6 +38,21 @@ def write_json(data: Any) -> None:
     _write(sys.stdout, _NOT_PLAIN.sub(_escaped, text) + "\n")
 
 
+def beginning(text: str, whole: str) -> str:
+    """Return the beginning of a text that somebody else wrote, and what it lacks.
+
+    Args:
+        text: of any length.
+        whole: what prints or holds all of it.
+    """
+    lines = text[:_MOST_CHARACTERS].split("\n")[:_MOST_LINES]
+    shown = "\n".join(lines)
+    if shown == text:
+        return text
+    left = len(text) - len(shown)
+    return f"{shown}\n… {left:,} more characters of {len(text):,}; {whole} has all of it"
+
+
 def console(stderr: bool = False) -> Console:
     """Return a console; without a terminal it writes plain text, not cut to any width."""
     from robomore.cli.clean_console import CleanConsole
@@ -54,6 +69,9 @@ def console(stderr: bool = False) -> Console:
         emoji=False,
     )
 
+
+_MOST_LINES, _MOST_CHARACTERS = 200, 20_000
+"""Of a text that is shown in part."""
 
 _NOT_PLAIN = re.compile(r"[^\n -~]")
 

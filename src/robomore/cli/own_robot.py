@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -50,7 +51,7 @@ def new(
     folder = out or Path(robot.stem)
     new_folder(folder)
     file = write_proposal(read, robot, folder, free or (), goal)
-    _tell(read_task_file(file))
+    _tell(read_task_file(file), read.notes)
     write(
         f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n"
         f"robomore check-task {file}\n"
@@ -90,8 +91,8 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
     write("nothing is wrong with this task\n")
 
 
-def _tell(read: ReadTask) -> None:
-    """Say what was found in a robot and what is free."""
+def _tell(read: ReadTask, before: Sequence[str] = ()) -> None:
+    """Say what was found in a robot and what is free, and the notes `before` that."""
     import mujoco
 
     from robomore.importer.limbs import find_links, groups
@@ -120,7 +121,7 @@ def _tell(read: ReadTask) -> None:
         f"{', '.join(group.joints)}"
         for group in read.plan.motors
     ]
-    lines += [f"  note: {note}" for note in read.notes]
+    lines += [f"  note: {note}" for note in dict.fromkeys((*before, *read.notes))]
     write("\n".join(lines) + "\n")
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from robomore.cli.output import console, write, write_json
+from robomore.cli.output import beginning, console, write, write_json
 from robomore.errors import InputError
 
 if TYPE_CHECKING:
@@ -267,7 +267,7 @@ def _print_reward(screen: Console, run: Run) -> None:
         return
     reward = run.champion.design.reward
     screen.print(f"\nreward: {reward.idea}".rstrip(": "))
-    screen.print(reward.source.rstrip())
+    screen.print(beginning(reward.source.rstrip(), "the same command with --json"))
 
 
 def _print_warnings(screen: Console, run: Run) -> None:

@@ -21,6 +21,8 @@ class ControlMap:
 
     Attributes:
         rest: (motors,) control of the action 0.
+        holding: (motors,) control that holds the rest pose, where it lies in the range.
+        centred: (motors,) whether `rest` is the middle of the range instead of `holding`.
         is_identity: whether actions are controls as they are.
     """
 
@@ -35,10 +37,11 @@ class ControlMap:
         limited = model.actuator_ctrllimited.astype(bool)
         low = np.where(limited, model.actuator_ctrlrange[:, 0], -1.0)
         high = np.where(limited, model.actuator_ctrlrange[:, 1], 1.0)
-        rest = _rest(model, qpos)
+        self.holding: Array = _rest(model, qpos)
         margin = _MARGIN * (high - low)
-        inside = (low + margin <= rest) & (rest <= high - margin)
-        self.rest: Array = np.where(inside, rest, (low + high) / 2)
+        inside = (low + margin <= self.holding) & (self.holding <= high - margin)
+        self.centred: NDArray[np.bool_] = ~inside
+        self.rest: Array = np.where(inside, self.holding, (low + high) / 2)
         self._down: Array = reach * (self.rest - low)
         self._up: Array = reach * (high - self.rest)
         self.is_identity = bool((self.rest == 0).all() and (self._down == 1).all())

@@ -13,6 +13,7 @@ from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, Edit, MassMode, MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.limbs import find_links
+from robomore.importer.ranges import one_sided, within_ranges
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
 from robomore.importer.template import TemplateWriter
 from robomore.tasks.fitness import Fitness
@@ -106,7 +107,13 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         raise InputError(
             f"{plan.id}: sensors = {missing}: there are {', '.join(known) or 'no sensors'}"
         )
-    home = _within_ranges(rest, plan.home)
+    joints = [
+        rest.joint(n).name for n in range(rest.njnt) if int(rest.jnt_type[n]) in SIMPLE_JOINTS
+    ]
+    home, moved = within_ranges(
+        rest, {name: plan.home.get(name, 0.0) for name in joints}, "the rest pose"
+    )
+    notes += moved + one_sided(rest, rest_pose(rest, home, plan.upright), plan.reach)
     for one, other in _overlaps(rest, home, plan.upright):
         writer.add("contact", "exclude", name=f"{one}-{other}", body1=one, body2=other)
         notes.append(f"`{one}` and `{other}` overlap at rest: they do not touch each other")
@@ -167,21 +174,6 @@ def _add_target(
         reftype="site" if part in sites else "xbody",
         refname=part,
     )
-
-
-def _within_ranges(model: mujoco.MjModel, home: Mapping[str, float]) -> dict[str, float]:
-    """Return a pose in which every joint is within its range."""
-    pose = {}
-    for number in range(model.njnt):
-        joint = model.joint(number)
-        if int(joint.type[0]) not in SIMPLE_JOINTS:
-            continue
-        value = home.get(joint.name, 0.0)
-        if model.jnt_limited[number]:
-            low, high = (float(limit) for limit in joint.range)
-            value = min(max(value, low), high)
-        pose[joint.name] = value
-    return pose
 
 
 def _overlaps(

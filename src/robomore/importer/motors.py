@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from robomore.importer.edits import MotorGroup
 from robomore.importer.feet import contact_names
@@ -15,6 +17,10 @@ from robomore.importer.reading import SIMPLE_JOINTS
 _STRENGTH = 2.5
 """A motor is so many times as strong as what holds its limb up, or its part of the robot."""
 
+_LEVER = 1 / 4
+"""A joint of a leg has at least this fraction of the leg's length as its lever: on its toes or out
+of balance, the weight does not stand above the ankle."""
+
 _YIELD = 0.6
 """Error in rad at which a servo applies its whole torque."""
 
@@ -23,11 +29,28 @@ _DAMPING, _ARMATURE = 0.03, 2e-4
 
 _GRAVITY = 9.81
 
+_LEAST = 0.1
+"""Torque in N·m, or force in N, of the weakest motor."""
 
-def propose_motors(model: mujoco.MjModel) -> tuple[MotorGroup, ...]:
+
+@dataclass(frozen=True, slots=True)
+class ProposedMotors:
+    """Motors for alike joints, and what their strength was chosen from.
+
+    Attributes:
+        group: the motors.
+        reason: in words, for the task file.
+    """
+
+    group: MotorGroup
+    reason: str
+
+
+def propose_motors(model: mujoco.MjModel) -> tuple[ProposedMotors, ...]:
     """Return motors for all joints, alike joints together: servos, and torques for wheels.
 
-    A limit that the file states for a joint (`actuatorfrcrange`, a URDF's `effort`) is kept.
+    A limit that the file states for a joint (`actuatorfrcrange`, a URDF's `effort`) is kept. Others
+    are so strong that a leg carries its share of the robot's weight, and any limb its own.
     """
     if model.nu:
         return ()
@@ -36,13 +59,19 @@ def propose_motors(model: mujoco.MjModel) -> tuple[MotorGroup, ...]:
     feet = [model.body(name).id for name in contact_names(model).values()]
     carriers = _carriers(model, data, feet)
     found: dict[tuple[str, str, float], list[str]] = {}
+    reasons: dict[tuple[str, str, float], str] = {}
     for joint in range(model.njnt):
         if int(model.jnt_type[joint]) in SIMPLE_JOINTS:
             name = model.joint(joint).name
             which = "servo" if model.jnt_limited[joint] else "motor"
-            torque = float(f"{_torque(model, data, carriers, joint):.2g}")
-            found.setdefault((kind(name), which, torque), []).append(name)
-    return tuple(_group(joints, which, torque) for (_, which, torque), joints in found.items())
+            exact, reason = _torque(model, data, carriers, joint)
+            alike = (kind(name), which, float(f"{exact:.2g}"))
+            found.setdefault(alike, []).append(name)
+            reasons.setdefault(alike, reason)
+    return tuple(
+        ProposedMotors(_group(joints, which, torque), reasons[name, which, torque])
+        for (name, which, torque), joints in found.items()
+    )
 
 
 def _group(joints: Sequence[str], which: str, torque: float) -> MotorGroup:
@@ -56,23 +85,64 @@ def _group(joints: Sequence[str], which: str, torque: float) -> MotorGroup:
 
 def _torque(
     model: mujoco.MjModel, data: mujoco.MjData, carriers: Sequence[int], joint: int
-) -> float:
-    """Return the torque in N·m that a joint needs in a pose, to carry or to stand on carriers."""
+) -> tuple[float, str]:
+    """Return the torque in N·m that a joint needs to carry its limb or to stand, and why."""
     stated = float(model.jnt_actfrcrange[joint, 1])
     if model.jnt_actfrclimited[joint] and stated > 0:
-        return stated
+        return stated, "as the robot's file says"
     body = int(model.jnt_bodyid[joint])
     below = [b for b in range(model.nbody) if _is_below(model, b, body)]
-    ends = [data.geom_xpos[g] for g in range(model.ngeom) if model.geom_bodyid[g] in below]
-    ends += [data.xpos[b] for b in below]
+    geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] in below]
     anchor = data.xanchor[joint]
+    ends = [*data.xpos[below], *(end for geom in geoms for end in _ends(model, data, geom))]
     reach = max(float(np.linalg.norm(end - anchor)) for end in ends)
-    carried = _GRAVITY * float(model.body_subtreemass[body]) * reach / 2
+    held = float(model.body_subtreemass[body])
+    carried = _STRENGTH * _GRAVITY * held * reach / 2
+    reason = f"{_STRENGTH:g} times what holds up {held:.2g} kg at {reach / 2:.2g} m"
     standing = 0.0
-    if model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE and set(below) & set(carriers):
-        weight = _GRAVITY * float(model.body_subtreemass[0])
-        standing = weight * reach / max(2, len(carriers))
-    return max(_STRENGTH * max(carried, standing), 0.1)
+    legs = [carrier for carrier in carriers if carrier in below]
+    if model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE and legs:
+        mass, share = float(model.body_subtreemass[0]), max(2, len(carriers))
+        length = max(_leg_length(model, data, leg) for leg in legs)
+        lever, what = reach, f"{reach:.2g} m"
+        if model.jnt_limited[joint] and lever < _LEVER * length:
+            lever = _LEVER * length
+            what = f"{lever:.2g} m, a quarter of its leg"
+        standing = _STRENGTH * _GRAVITY * mass * lever / share
+        if standing > carried:
+            reason = f"{_STRENGTH:g} times what holds up 1/{share} of {mass:.3g} kg at {what}"
+    return max(carried, standing, _LEAST), reason
+
+
+def _ends(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> NDArray[np.float64]:
+    """Return the ends (2, 3) of a solid along its longest side, in m in the world.
+
+    Those of a capsule are the middles of its round ends.
+    """
+    middle, half = model.geom_aabb[geom, :3].copy(), model.geom_aabb[geom, 3:]
+    away = np.zeros(3)
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_CAPSULE:
+        away[2] = model.geom_size[geom, 1]
+    else:
+        away[np.argmax(half)] = half.max()
+    axes = data.geom_xmat[geom].reshape(3, 3)
+    return np.asarray(data.geom_xpos[geom] + np.stack((middle - away, middle + away)) @ axes.T)
+
+
+def _leg_length(model: mujoco.MjModel, data: mujoco.MjData, end: int) -> float:
+    """Return the length in m of the way along a leg, from its first joint to its end."""
+    geoms = np.flatnonzero(model.geom_bodyid == end)
+    length = max(
+        float(np.linalg.norm(point - data.xpos[end]))
+        for geom in geoms
+        for point in _ends(model, data, int(geom))
+    )
+    body = end
+    while int(model.body_parentid[body]) > 1:
+        parent = int(model.body_parentid[body])
+        length += float(np.linalg.norm(data.xpos[body] - data.xpos[parent]))
+        body = parent
+    return length
 
 
 def _carriers(model: mujoco.MjModel, data: mujoco.MjData, feet: Sequence[int]) -> list[int]:

@@ -14,7 +14,7 @@ from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.limbs import Link, find_links, groups, kind
-from robomore.importer.motors import propose_motors
+from robomore.importer.motors import ProposedMotors, propose_motors
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
 from robomore.importer.rest import propose_home
 from robomore.importer.strength import strength_of
@@ -99,7 +99,8 @@ def write_proposal(
 def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | None = None) -> str:
     """Return the text of a task file for a robot; see `write_proposal`."""
     model = robot.spec().compile()
-    motors = propose_motors(model)
+    proposed = propose_motors(model)
+    motors = [one.group for one in proposed]
     moves = bool(model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
     if goal and not moves:
         raise InputError(
@@ -138,8 +139,8 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         ]
     else:
         lines += ["[target]", f"part = {_text(_tip(model))}", f"position = {_place(model)}", ""]
-    for group in motors:
-        lines += _actuator(group)
+    for one in proposed:
+        lines += _actuator(one)
     found = _parameters(model, motors)
     for parameter in _chosen(found, free):
         lines += parameter
@@ -241,12 +242,13 @@ def _parameter(
     ]
 
 
-def _actuator(group: MotorGroup) -> list[str]:
+def _actuator(proposed: ProposedMotors) -> list[str]:
+    group = proposed.group
     lines = [
-        "[[actuator]]",
+        "[[actuator]]  # a proposal: give what your motors have",
         f"joints = {json.dumps(list(group.joints))}",
         f"kind = {_text(group.kind)}",
-        f"torque = {group.torque:g}  # N·m",
+        f"torque = {group.torque:g}  # N·m: {proposed.reason}",
     ]
     if group.kind == "servo":
         lines += [f"stiffness = {group.stiffness:g}", f"damping = {group.damping:g}"]

@@ -21,6 +21,7 @@ from robomore.importer.first_compile import (
     check_amounts,
     compile_first,
 )
+from robomore.importer.ranges import within_ranges
 from robomore.tasks.meshes import MOST_BYTES, check_meshes
 from robomore.tasks.sizes import check_sizes
 
@@ -111,7 +112,7 @@ def _read(path: Path, base: str | None) -> Robot:
         _drop_sensors(spec, notes)
         # Links without a joint become part of what they are fixed to, but never of the world.
         spec.compiler.fusestatic = bool(root.joints)
-        home, upright = _home(spec)
+        home, upright = _home(spec, notes)
         with warnings.catch_warnings():
             # It warns of attachments without a prefix; the text is read back below.
             warnings.simplefilter("ignore")
@@ -184,8 +185,11 @@ def _set_base(
         notes.append(f"`{root.name}` is fixed to the world now")
 
 
-def _home(spec: mujoco.MjSpec) -> tuple[dict[str, float], tuple[float, ...]]:
-    """Return the pose of the keyframe `home` or `stand`, or else of the first one, by joint."""
+def _home(spec: mujoco.MjSpec, notes: list[str]) -> tuple[dict[str, float], tuple[float, ...]]:
+    """Return the pose of the keyframe `home` or `stand`, or else of the first one, by joint.
+
+    A joint that the keyframe puts outside of its range is at the end of the range, with a note.
+    """
     upright = (1.0, 0.0, 0.0, 0.0)
     keys = list(spec.keys)
     if not keys:
@@ -204,6 +208,8 @@ def _home(spec: mujoco.MjSpec) -> tuple[dict[str, float], tuple[float, ...]]:
                 home[model.joint(joint).name] = float(qpos[at])
             elif model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE:
                 upright = tuple(qpos[at + 3 : at + 7].tolist())
+    home, moved = within_ranges(model, home, f"the keyframe `{key.name}`")
+    notes += moved
     for key in keys:
         spec.delete(key)
     return home, upright

@@ -15,6 +15,7 @@ from robomore.errors import InputError
 from robomore.importer.building import Plan, build
 from robomore.importer.edits import Edit, MotorGroup
 from robomore.importer.limbs import find_links
+from robomore.importer.ranges import ROUNDING, unit_of
 from robomore.importer.reading import SIMPLE_JOINTS, Robot, read_robot
 from robomore.importer.strength import strength_of
 from robomore.importer.task_table import TaskTable, number_faults, parameter_faults, read_table
@@ -140,10 +141,12 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
     for name, angle in table.home.joints.items():
         if resolved([name], joints, "[home] joints") and name in joints:
             low, high = model.joint(name).range
-            if low < high and not low <= angle <= high:
+            if low < high and not low - ROUNDING <= angle <= high + ROUNDING:
+                unit = unit_of(model, name)
                 faults.append(
                     f"[home] {name} = {angle:g}, which is outside its range of {low:.4g} to "
-                    f"{high:.4g}"
+                    f"{high:.4g} {unit}; give a number of {unit} in it, or widen the joint's range "
+                    "in the robot's file"
                 )
     if not table.parameter:
         faults.append("it has no [[parameter]]: nothing is free")

@@ -1,7 +1,8 @@
 """A robot drawn without OpenGL: its solids projected along parallel rays.
 
-A capsule seen along parallel rays is exactly a thick line with round ends, and a ball a disc, so
-a handful of strokes, far ones first, is a true picture. It needs no graphics driver, which is what
+A capsule seen along parallel rays is exactly a thick line with round ends, a ball a disc, a box up
+to three sides, and any other convex solid its outline. So a handful of strokes, far ones first, is
+a true picture. It needs no graphics driver, which is what
 servers and reports lack. `robomore.rendering.pictures` turns a `Scene` into SVG or pixels.
 """
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from robomore.envs.compile import Parameters, compile_model
 from robomore.envs.rest_pose import starting_pose
 from robomore.envs.terrain import tile
+from robomore.rendering.outlines import Face, View, solids
 from robomore.tasks.portable import FixedOptions
 from robomore.tasks.task import Task, Terrain
 from robomore.tasks.terrain import CELLS, TILE
@@ -31,27 +33,10 @@ PALETTE = ("#d9822b", "#3f7fbf", "#4a9e6b", "#8a63b5", "#c2554d", "#6b7f8c")
 
 
 @dataclass(frozen=True, slots=True)
-class View:
-    """Where one looks from: three unit vectors in the world.
-
-    Attributes:
-        right: of the picture.
-        up: of the picture.
-        towards: from the scene to the eye.
-    """
-
-    right: Array
-    up: Array
-    towards: Array
-
-    def flat(self, points: Array) -> Array:
-        """Return points (..., 3) of the world as points (..., 2) of the picture, in m."""
-        return np.stack((points @ self.right, points @ self.up), axis=-1)
-
-
-@dataclass(frozen=True, slots=True)
 class Stroke:
     """One solid in the picture, in m: a thick line with round ends (a disc if both ends agree).
+
+    Of a solid that is no capsule, the line is the capsule that comes closest, and is not drawn.
 
     Attributes:
         start: (2,) to the right and up.
@@ -60,6 +45,7 @@ class Stroke:
         depth: of its middle; larger is nearer.
         colour: as `#rrggbb`.
         geom: number of the solid in the model.
+        faces: what is drawn of a solid that is no capsule.
     """
 
     start: Array
@@ -68,6 +54,15 @@ class Stroke:
     depth: float
     colour: str
     geom: int
+    faces: tuple[Face, ...] = ()
+
+    @property
+    def corners(self) -> Array:
+        """Points (n, 2) between whose extremes the solid lies, in m."""
+        if self.faces:
+            return np.concatenate([face.corners for face in self.faces])
+        ends = np.stack((self.start, self.end))
+        return np.concatenate((ends - self.radius, ends + self.radius))
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +146,7 @@ def rest_pose(model: mujoco.MjModel) -> Array:
         data = mujoco.MjData(model)
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
-        qpos[2] -= min(min(one.start[2], one.end[2]) - one.radius for one in solids(model, data))
+        qpos[2] -= min(one.lowest for one in solids(model, data))
     return qpos
 
 
@@ -172,13 +167,9 @@ def project(
         start, end = view.flat(one.start), view.flat(one.end)
         colour = PALETTE[min(distance_to_world(model, one.body), len(PALETTE)) - 1]
         depth = float(middle @ view.towards)
-        strokes.append(Stroke(start, end, one.radius, depth, colour, one.geom))
-    corners = [
-        corner
-        for stroke in strokes
-        for point in (stroke.start, stroke.end)
-        for corner in (point - stroke.radius, point + stroke.radius)
-    ]
+        faces = one.faces(view)
+        strokes.append(Stroke(start, end, one.radius, depth, colour, one.geom, faces))
+    corners = np.concatenate([stroke.corners for stroke in strokes])
     return Scene(
         strokes=tuple(sorted(strokes, key=lambda stroke: stroke.depth)),
         ground=ground,
@@ -245,41 +236,6 @@ def nice_length(most: float) -> float:
     """Return the longest of 1, 2, 5, 10, … (and their tenths) that is no longer than `most`."""
     power = 10.0 ** math.floor(math.log10(most))
     return next(step * power for step in (5.0, 2.0, 1.0) if step * power <= most * (1 + 1e-9))
-
-
-@dataclass(frozen=True, slots=True)
-class Solid:
-    """A capsule in the world, or the one that comes closest to another shape."""
-
-    start: Array
-    end: Array
-    radius: float
-    body: int
-    geom: int
-
-
-def solids(model: mujoco.MjModel, data: mujoco.MjData) -> list[Solid]:
-    """Return the solids of everything that is not part of the world itself."""
-    found = []
-    for geom in range(model.ngeom):
-        body = int(model.geom_bodyid[geom])
-        if model.body_weldid[body] == 0:
-            continue
-        centre = data.geom_xpos[geom]
-        axes = data.geom_xmat[geom].reshape(3, 3)
-        size = model.geom_size[geom]
-        if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_SPHERE:
-            radius, reach = float(size[0]), np.zeros(3)
-        elif model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_CAPSULE:
-            radius, reach = float(size[0]), axes[:, 2] * size[1]
-        else:
-            centre = centre + axes @ model.geom_aabb[geom, :3]
-            half = model.geom_aabb[geom, 3:]
-            longest = int(np.argmax(half))
-            radius = float(np.delete(half, longest).mean())
-            reach = axes[:, longest] * max(0.0, float(half[longest]) - radius)
-        found.append(Solid(centre - reach, centre + reach, radius, body, geom))
-    return found
 
 
 def distance_to_world(model: mujoco.MjModel, body: int) -> int:

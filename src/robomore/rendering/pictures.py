@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 
 from robomore.errors import InputError
 from robomore.plain_files import cannot_write
-from robomore.rendering.drawing import Array, Scene, nice_length
+from robomore.rendering.drawing import Array, Scene, Stroke, nice_length
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -87,6 +87,14 @@ def svg(scene: Scene, frame: Frame, title: str = "") -> str:
         parts.append(f'<polyline points="{path}"/>')
     parts.append("</g>")
     for stroke in scene.strokes:
+        for corners, colour, edge in _flat(stroke, frame):
+            path = " ".join(f"{x:.2f},{y:.2f}" for x, y in corners.tolist())
+            parts.append(
+                f'<polygon points="{path}" fill="{colour}" stroke="{edge}" '
+                f'stroke-width="{_THINNEST}"/>'
+            )
+        if stroke.faces:
+            continue
         (x1, y1), (x2, y2) = frame.pixels(np.stack((stroke.start, stroke.end)))
         thick = max(_THINNEST, 2 * stroke.radius * frame.scale)
         # A line without length has no round ends in some browsers.
@@ -133,6 +141,12 @@ def image(scene: Scene, frame: Frame, caption: str = "", smooth: int = 2) -> Ima
     for line in scene.ground:
         pen.line([tuple(p) for p in fine.pixels(line).tolist()], fill="#c9c7c1", width=smooth)
     for stroke in scene.strokes:
+        for corners, colour, edge in _flat(stroke, fine):
+            around = [tuple(corner) for corner in corners.tolist()]
+            pen.polygon(around, fill=colour)
+            pen.line([*around, around[0]], edge, round(_THINNEST * smooth), joint="curve")
+        if stroke.faces:
+            continue
         ends = fine.pixels(np.stack((stroke.start, stroke.end)))
         thick = max(_THINNEST * smooth, 2 * stroke.radius * fine.scale)
         for colour, width, lift in _layers(stroke.colour, thick):
@@ -179,6 +193,16 @@ def save_picture(scene: Scene, path: Path, title: str = "", width: int = 800) ->
             raise InputError(f"{path} is no picture that can be written; end it in .svg or .png")
     except OSError as error:
         raise cannot_write(path, error, "name another file") from None
+
+
+def _flat(stroke: Stroke, frame: Frame) -> Iterator[tuple[Array, str, str]]:
+    """Yield corners (n, 2) in pixels, colour and colour of the edge of each of a solid's faces."""
+    for face in stroke.faces:
+        colour = _brighter(stroke.colour, face.brightness)
+        corners = frame.pixels(face.corners)
+        # A solid that is hardly larger than its edge would be all edge.
+        small = float(np.ptp(corners, axis=0).min()) < 4 * _THINNEST
+        yield corners, colour, colour if small else _brighter(stroke.colour, _EDGE)
 
 
 def _layers(colour: str, thick: float) -> tuple[tuple[str, float, float], ...]:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import mujoco
+import numpy as np
 
 from robomore.envs.compile import Parameters
 from robomore.errors import InvalidMorphology
-from robomore.rendering.drawing import View, distance_to_world, picture_pose, solids, view_of
+from robomore.rendering.drawing import distance_to_world, picture_pose, view_of
+from robomore.rendering.outlines import Solid, View, solids
 from robomore.tasks import Task
 
 Capsules = list[list[float]]
-"""Each x, y, z of both ends in m, the radius in m, and how many bodies stand before the world."""
+"""Each x, y, z of both ends in m, the radius in m, and how many bodies stand before the world.
+
+Of a box seven more: half of its sides in m, and its orientation as a quaternion w, x, y, z.
+"""
 
 
 def still(task: Task, parameters: Parameters) -> tuple[Capsules, View]:
@@ -36,7 +41,17 @@ def still(task: Task, parameters: Parameters) -> tuple[Capsules, View]:
         [
             *(round(float(x), 5) for x in (*one.start, *one.end, one.radius)),
             distance_to_world(model, one.body),
+            *_box(model, one),
         ]
         for one in solids(model, data)
     ]
     return capsules, view_of(model)
+
+
+def _box(model: mujoco.MjModel, solid: Solid) -> list[float]:
+    """Return what a box has more than a capsule; nothing for another solid."""
+    if solid.axes is None:
+        return []
+    turn = np.zeros(4)
+    mujoco.mju_mat2Quat(turn, solid.axes.ravel())
+    return [round(float(x), 5) for x in (*model.geom_size[solid.geom], *turn)]

@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from robomore.runs import Run, Spread, TrainedDesign
+from robomore.runs.audits import audit_of
 from robomore.runs.lineage import Record
 
 
 def as_data(run: Run) -> dict[str, Any]:
     """Return a run as JSON data. Keys and units stand in docs/runs.md, "JSON of a run"."""
     manifest, cost, spending = run.manifest, run.cost, run.spending
+    audit = audit_of(run)
     method = manifest.settings.method
     return {
         "run": str(run.folder),
@@ -45,6 +47,7 @@ def as_data(run: Run) -> dict[str, Any]:
         "reference": _group(run.reference),
         "morphology_only": _group(run.morphology_only),
         "reward_only": _group(run.reward_only),
+        "audit": audit.as_data() if audit else None,
         "verdict": run.pairs.verdict if run.pairs else "",
         "ratio": {
             "efficiency": _spread(run.efficiency_ratio),

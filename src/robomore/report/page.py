@@ -34,6 +34,7 @@ from robomore.report.source import highlighted
 from robomore.runs import Run, load_run
 from robomore.runs.audits import audit_of
 from robomore.runs.grid import grids
+from robomore.runs.pareto import in_words
 from robomore.runs.words import (
     duration,
     equation,
@@ -135,6 +136,7 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             best_so_far=best_so_far(run),
             fitness_over_volume=fitness_over_volume(run),
             fitness_over_energy=fitness_over_energy(run),
+            pareto=in_words(run),
             diversity=diversity(run),
             dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
             curves=learning_curves(run),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from robomore.runs.words import number
 from robomore.statistics.pareto import hypervolume, nondominated
 from robomore.types import Evaluation
 
@@ -50,6 +51,24 @@ def covered(run: Run) -> float | None:
             for one in pareto_set(run)
             if one.fitness is not None and one.volume is not None and one.energy is not None
         ]
+    )
+
+
+def in_words(run: Run) -> str:
+    """Return how many designs a run's Pareto set has, and what they cover where that says much."""
+    designs, covers = len(run.pareto_set), run.hypervolume
+    said = f"{designs} design{'' if designs == 1 else 's'}"
+    if not designs or covers is None:
+        return said
+    if covers == 0:
+        return (
+            f"{said}; none gets forward with both less material and less energy than the reference"
+        )
+    if designs == 1:
+        return said
+    return (
+        f"{said}, hypervolume {number(covers)}: what they gain at once in fitness, material and "
+        "energy, where 1 is the reference's fitness for no material and no energy"
     )
 
 

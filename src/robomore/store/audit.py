@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 
@@ -69,6 +69,10 @@ class Audit:
     versions: dict[str, str] = field(default_factory=dict)
     format: int = FORMAT
 
+    def as_data(self) -> dict[str, Any]:
+        """Return the audit as JSON data, as in its file: `passes`, and all attributes."""
+        return {"passes": self.passes, **msgspec.to_builtins(self)}
+
     @property
     def passes(self) -> bool:
         """Whether no check fails."""
@@ -87,8 +91,7 @@ class Audit:
 
 def save_audit(files: PlainFolder, name: str, audit: Audit) -> None:
     """Write an audit to the file `name`, whole or not at all."""
-    data = {"passes": audit.passes, **msgspec.to_builtins(audit)}
-    files.write(name, msgspec.json.format(to_json(data), indent=2) + b"\n")
+    files.write(name, msgspec.json.format(to_json(audit.as_data()), indent=2) + b"\n")
 
 
 def load_audit(files: PlainFolder, name: str) -> Audit | None:

@@ -83,11 +83,28 @@ export class Episode {
   }
 }
 
-// An episode of one frame: a robot that stands, made of [x, y, z, x, y, z, radius, depth].
+// The corners of a box among the capsules of `still`, none of a capsule. The corner n lies on the
+// side of the first axis that bit 4 of n tells, of the second that bit 2 tells, of the third bit 1.
+export function corners([ax, ay, az, bx, by, bz, , , ...box]) {
+  if (!box.length) return [];
+  const [half, [w, x, y, z]] = [box.slice(0, 3), box.slice(3)];
+  const turn = new Quaternion(x, y, z, w);
+  const middle = new Vector3(ax + bx, ay + by, az + bz).multiplyScalar(0.5);
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((n) => new Vector3(
+    ...half.map((size, axis) => (n & (4 >> axis) ? size : -size)),
+  ).applyQuaternion(turn).add(middle).toArray());
+}
+
+// An episode of one frame: a robot that stands, made of capsules [x, y, z, x, y, z, radius, depth],
+// and boxes, which have seven numbers more: half of each side, and a quaternion (w, x, y, z).
 export function still(capsules) {
-  const geoms = capsules.map(([ax, ay, az, bx, by, bz, radius, depth]) => {
+  const geoms = capsules.map(([ax, ay, az, bx, by, bz, radius, depth, ...box]) => {
     const a = new Vector3(ax, ay, az);
     const b = new Vector3(bx, by, bz);
+    if (box.length) {
+      return { kind: "box", size: box.slice(0, 3), body: 0, depth,
+        pos: a.add(b).multiplyScalar(0.5).toArray(), quat: box.slice(3) };
+    }
     const along = b.clone().sub(a);
     const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1),
       along.lengthSq() ? along.clone().normalize() : new Vector3(0, 0, 1));
