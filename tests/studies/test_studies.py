@@ -23,7 +23,7 @@ from robomore.studies import STUDIES, Results, Study, Table, run_study
 from robomore.studies.execute import cells_of, write_results
 from robomore.studies.presets import SCALES, scale
 from robomore.studies.remeasured import incumbents, remeasure
-from robomore.studies.scores import _curve, aggregate_table
+from robomore.studies.scores import _curve, aggregate_table, found_table
 from robomore.studies.study import Arm, Cell
 from robomore.tasks import get_task
 from robomore.tasks.registry import PAPER_TASKS
@@ -264,7 +264,20 @@ def test_a_run_that_found_nothing_is_left_out_and_counted(
     )
     run_study(study, cells[:1], tmp_path)
     found = table(tmp_path, "found")
-    assert found[1][2] == "" and found[1][7] == "0 of 1"
+    assert found[1][2:6] == [""] * 4 and found[1][10] == "0 of 1"
+
+
+def test_each_task_has_an_iqm_with_an_interval_from_five_runs_on(
+    trained_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cell, run = some()[1][0], load_run(trained_run)
+    scores = [0.0, 10.0, 20.0, 30.0, 1000.0]
+    monkeypatch.setattr(Results, "scores", lambda self, task, arm: scores)
+    for interval in (True, False):
+        row = found_table(Results(((cell, run),), {})).rows[0]
+        assert row[3] == pytest.approx(20.0 if interval else 15.0)
+        assert (row[4] is not None and row[5] is not None) == interval
+        scores.pop()
 
 
 def test_a_table_is_markdown_latex_and_csv() -> None:

@@ -25,7 +25,7 @@ POINTS = 60
 
 
 def found_table(results: Results) -> Table:
-    """Return what each arm found on each task: the mean of its runs, and their range."""
+    """Return what each arm found on each task: mean and IQM of its runs, and their range."""
     rows: list[tuple[Entry, ...]] = []
     for task in results.tasks:
         for arm in results.arms:
@@ -33,11 +33,18 @@ def found_table(results: Results) -> Table:
             runs = results.runs(task, arm)
             designs = [run.found for run in runs if run.found]
             fitness = [one.fitness.mean for one in designs if one.fitness]
+            enough = len(scores) >= FEWEST
             rows.append(
                 (
                     task,
                     arm,
                     fmean(scores) if scores else None,
+                    interquartile_mean([scores]) if scores else None,
+                    *(
+                        stratified_interval(interquartile_mean, [scores])
+                        if enough
+                        else (None, None)
+                    ),
                     min(scores, default=None),
                     max(scores, default=None),
                     fmean(fitness) if fitness else None,
@@ -47,7 +54,7 @@ def found_table(results: Results) -> Table:
                     fmean(run.cost.core_seconds for run in runs),
                 )
             )
-        rows.append((task, "(human design)", results.reference(task), *[None] * 7))
+        rows.append((task, "(human design)", results.reference(task), *[None] * 10))
     unit = unit_of(results.objective, results.fitness_unit) or "no unit"
     return Table(
         "found",
@@ -56,6 +63,9 @@ def found_table(results: Results) -> Table:
             "task",
             "arm",
             f"mean ({unit})",
+            f"IQM ({unit})",
+            "95 % from",
+            "95 % to",
             f"lowest run ({unit})",
             f"highest run ({unit})",
             label("fitness", results.fitness_unit),
@@ -66,8 +76,9 @@ def found_table(results: Results) -> Table:
         ),
         tuple(rows),
         "Each run's answer is trained anew with other seeds, and a run without one is left out. "
-        "All arms had the same budget at most; one that ended early, or whose method needs less, "
-        "has fewer search steps.",
+        "IQM: the mean of the middle half of the runs; its interval is a bootstrap over them, and "
+        f"takes {FEWEST}. All arms had the same budget at most; one that ended early, or whose "
+        "method needs less, has fewer search steps.",
     )
 
 
