@@ -134,7 +134,7 @@ def test_a_stall_is_given_up_and_tried_again(fault: str) -> None:
     ("fault", "said"),
     [
         ("broken", "HTTP 500"),
-        ("drop", "no connection"),
+        ("drop", "before it had answered"),
         ("half", "cannot be read"),
         ("no_choices", "without content"),
         ("choices_as_text", "cannot be read"),
@@ -228,6 +228,16 @@ def test_a_body_that_decompresses_to_nothing_has_an_end(after: bytes) -> None:
     answer = raw("200 OK", "content-encoding: gzip", body=whole + after)
     with serve(answer) as (url, _), pytest.raises(InputError, match="more than 8 MiB"):
         model_at(url)[0].complete(PLAIN)
+
+
+def test_a_server_that_hangs_up_is_said_to() -> None:
+    with serve(b"") as (url, _):
+        model, _ = model_at(url)
+        with pytest.raises(
+            ModelUnavailable, match=r"closed the connection before it had answered"
+        ) as told:
+            model.complete(PLAIN)
+    assert "Connection error" not in str(told.value)
 
 
 def test_nobody_listens() -> None:

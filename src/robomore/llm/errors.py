@@ -7,7 +7,7 @@ import json
 import socket
 from collections.abc import Iterator
 
-from httpx2 import ConnectTimeout
+from httpx2 import CloseError, ConnectTimeout, NetworkError, ProtocolError, ReadError
 from pydantic_ai.exceptions import (
     ModelAPIError,
     ModelAuthenticationError,
@@ -99,8 +99,7 @@ def translate(
         case ModelRequestTimeout() | ModelTimeoutError():
             return _late(name)
         case ModelConnectionError():
-            reason = f"no connection to {name} at {url}: {_message(error)}"
-            return TransientError(reason, error.retry_after)
+            return TransientError(_cut_off(error, name, url), error.retry_after)
     if not isinstance(error, ModelHTTPError):
         return TransientError(_unreadable(error, name, url))
     status = error.status_code
@@ -119,6 +118,16 @@ def translate(
 def _late(name: str) -> TransientError:
     said = f"{name} did not answer in time (--answer-time allows it longer)"
     return TransientError(said, most_tries=_TRIES_IN_TIME)
+
+
+def _cut_off(error: ModelConnectionError, name: str, url: str) -> str:
+    """Return what became of a connection; the library itself says "Connection error" of all."""
+    causes = [it for it in _causes(error) if isinstance(it, NetworkError | ProtocolError)]
+    said = next((text for it in reversed(causes) if (text := _short(str(it)))), "")
+    if any(isinstance(it, ProtocolError | ReadError | CloseError) for it in causes):
+        why = f" ({said.rstrip('.')})" if said else ""
+        return f"{url} took the request for {name} and closed the connection before it had answered{why}"
+    return f"no connection to {name} at {url}: {said or _message(error)}"
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:
