@@ -14,6 +14,7 @@ from robomore.search.robomore.branch import Branch
 from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.fine import fine
 from robomore.search.robomore.method import RoboMoRe
+from robomore.search.robomore.settings import RoboMoReSettings
 from robomore.search.slim_reference import thinnest
 from robomore.tasks import get_task
 from robomore.types import Design, Evaluation, Morphology, Reward, Slot, Trial
@@ -421,3 +422,14 @@ def test_what_does_not_depend_on_each_other_is_asked_for_together() -> None:
     robomore(blind, measuring, settings, map_fn=side_by_side)
     assert asked == [4, 2, 2, 2]
     assert [slot.index for slot in blind.asked[:4]] == [(3,), (2,), (1,), (0,)]
+
+
+def test_what_no_designer_proposed_is_said() -> None:
+    settings = RoboMoReSettings(slim_reference="in")
+    assert RoboMoRe(settings).adds == (
+        "The grid also has the reference morphology, as thin as the task allows, and the reference "
+        "reward."
+    )
+    assert "thin" not in RoboMoRe(RoboMoReSettings()).adds
+    assert "thin" not in RoboMoRe(replace(settings, without=("morphology",))).adds
+    assert RoboMoRe(RoboMoReSettings(reference_reward="out")).adds == ""

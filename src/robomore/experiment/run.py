@@ -160,7 +160,7 @@ def run(
         task_parts=fingerprint(task),
         preset=name,
         designer=chosen.name,
-        provenance=_provenance(chosen, starts),
+        provenance=_provenance(chosen, method, starts),
         seed=seed,
         settings=settings,
         plan=plan,
@@ -312,10 +312,13 @@ def _no_designer(method: SearchMethod) -> ChosenDesigner:
     )
 
 
-def _provenance(chosen: ChosenDesigner, starts: Sequence[Start]) -> str:
-    """Return in plain sentences what made the proposals, and what they started from."""
+def _provenance(chosen: ChosenDesigner, method: SearchMethod, starts: Sequence[Start]) -> str:
+    """Return in plain sentences what made the designs, and what they started from."""
     origins = ", ".join(start.origin for start in starts)
-    return f"{chosen.provenance} It started from {origins}." if starts else chosen.provenance
+    begun = f"It started from {origins}." if starts else ""
+    return " ".join(
+        said for said in (chosen.provenance, getattr(method, "adds", ""), begun) if said
+    )
 
 
 def default_folder(

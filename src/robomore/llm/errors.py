@@ -126,7 +126,8 @@ def _cut_off(error: ModelConnectionError, name: str, url: str) -> str:
     said = next((text for it in reversed(causes) if (text := _short(str(it)))), "")
     if any(isinstance(it, ProtocolError | ReadError | CloseError) for it in causes):
         why = f" ({said.rstrip('.')})" if said else ""
-        return f"{url} took the request for {name} and closed the connection before it had answered{why}"
+        did = "took the request and closed the connection before it had answered"
+        return f"{name} at {url} {did}{why}"
     return f"no connection to {name} at {url}: {said or _message(error)}"
 
 

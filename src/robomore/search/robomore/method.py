@@ -38,6 +38,17 @@ class RoboMoRe:
         settings.check()
         self.settings = settings
 
+    @property
+    def adds(self) -> str:
+        """What is in the grid that no designer proposed."""
+        settings = self.settings.reduced
+        parts = []
+        if settings.slim_reference == "in":
+            parts.append("the reference morphology, as thin as the task allows")
+        if settings.reference_reward == "in":
+            parts.append("the reference reward")
+        return f"The grid also has {', and '.join(parts)}." if parts else ""
+
     def plan(self, context: SearchContext) -> Plan:
         """Return the coarse and the fine stage, each at its largest."""
         return planned(self.settings.reduced, context.candidate)
