@@ -35,7 +35,7 @@ from robomore.report import write_report
 from robomore.report.heatmap import heatmap
 from robomore.report.learning import learning_curves
 from robomore.report.page import render
-from robomore.report.plots import best_so_far, fitness_over_volume
+from robomore.report.plots import LEFT, best_so_far, fitness_over_volume
 from robomore.report.replays import kept_policies, recorded
 from robomore.report.scripts import bundle
 from robomore.report.source import highlighted
@@ -331,6 +331,21 @@ def test_designs_that_move_backwards_are_drawn_at_the_edge(tmp_path: Path) -> No
     for drawn in (heatmap(grid, "efficiency", "m"), best_so_far(found), fitness_over_volume(found)):
         ElementTree.fromstring(drawn)
         assert "nan" not in drawn
+    assert "A dot at the lower edge: 0 or less" in render(found)
+
+
+def test_a_label_does_not_stand_on_the_numbers_of_the_axis(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path, "half-cheetah")
+    for column, (radius, fitness) in enumerate(((0.2, 10.0), (1.0, 0.5), (1.0, 10.0))):
+        design = Design(run.morphology(radius), run.reward(1.0 + column))
+        run.add(design, Place(stage="coarse", index=(0, column)), fitness)
+    found = load_run(tmp_path)
+    assert "lower edge" not in render(found)
+    drawn = fitness_over_volume(found)
+    ended = re.findall(r'([0-9.]+),[0-9.]+" class="equal"></polyline><text([^>]*)>', drawn)
+    beside = [float(x) - LEFT < 60 for x, _ in ended]
+    assert beside == ['text-anchor="start"' in attributes for _, attributes in ended]
+    assert any(beside) and not all(beside)
 
 
 def heights(drawn: str) -> list[list[float]]:

@@ -25,6 +25,7 @@ from robomore.report.plots import (
     best_so_far,
     fitness_over_energy,
     fitness_over_volume,
+    off_the_scale,
     stage_classes,
 )
 from robomore.report.replays import MOST, chosen, kept_policies, recorded
@@ -134,6 +135,7 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             grids=[(grid.stage.name, heatmap(grid, run.objective, unit)) for grid in grids(run)],
             stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
             best_so_far=best_so_far(run),
+            off_the_scale=off_the_scale(run),
             fitness_over_volume=fitness_over_volume(run),
             fitness_over_energy=fitness_over_energy(run),
             pareto=in_words(run),

@@ -14,6 +14,8 @@ from robomore.runs.words import equation, in_unit, label, number, short
 WIDTH, HEIGHT = 400.0, 290.0
 LEFT, RIGHT, TOP, BOTTOM = 46.0, 12.0, 28.0, 42.0
 _NAMES = {"energy": "energy_j"}
+_LABEL = 60.0
+"""Width of a label on a line, at most."""
 _COLOURS = 4
 """Stages with a colour of their own; more of them share these."""
 
@@ -22,6 +24,13 @@ def stage_classes(run: Run) -> dict[str, str]:
     """Return the class of the dots of each stage, the final left out."""
     names = [stage.name for stage in run.plan.stages if stage.role == "search"]
     return {name: f"stage-{index % _COLOURS}" for index, name in enumerate(names)}
+
+
+def off_the_scale(run: Run) -> bool:
+    """Return whether the curve of the best has dots at its lower edge that its log scale lacks."""
+    scores = [point.score for point in progress(run)]
+    level = run.reference.score(run.objective) if run.reference else None
+    return min(scores, default=1.0) <= 0 < max([*scores, level.mean if level else 0.0])
 
 
 def best_so_far(run: Run) -> str:
@@ -151,8 +160,11 @@ def _equal_efficiency(x: Axis, y: Axis) -> list[str]:
             continue
         path = " ".join(f"{x.at(v):.1f},{y.at(f):.1f}" for v, f in points)
         end_x, end_y = x.at(points[-1][0]), y.at(points[-1][1])
+        # Beside the axis, where its numbers are, the label stands on the other side of its line.
+        aside = end_x - x.start < _LABEL
+        at, anchor = (end_x + 4, "start") if aside else (end_x - 4, "end")
         parts.append(
             element("polyline", points=path, klass="equal")
-            + text(short(efficiency), end_x - 4, end_y + 11, text_anchor="end", klass="note")
+            + text(short(efficiency), at, end_y + 11, text_anchor=anchor, klass="note")
         )
     return parts
