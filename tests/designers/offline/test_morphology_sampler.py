@@ -11,6 +11,7 @@ from designers.evaluations import EACH_TASK
 from robomore.designers.offline.designer import OfflineDesigner
 from robomore.errors import ProposalFailed
 from robomore.search.random import drawn
+from robomore.tasks.geometry import Solid
 from robomore.tasks.registry import TASKS
 from robomore.tasks.task import Rule
 from robomore.tasks.unit_space import UnitSpace, distances
@@ -106,3 +107,10 @@ def test_a_robot_whose_pose_cannot_be_read_still_gets_bodies() -> None:
     task = replace(swimmer, template=template)
     body = OfflineDesigner(task, seed=0).propose_morphology(slot(0), ())
     assert task.check(body.parameters)
+
+
+def test_a_robot_without_capsules_is_described_by_its_volume() -> None:
+    boxes = replace(TASKS["swimmer"], shapes=lambda values: [Solid(0.01 * values["front_length"])])
+    said = OfflineDesigner(boxes, seed=0).propose_morphology(slot(0), ()).idea
+    assert said.startswith("volume ") and "of the reference design's" in said
+    assert "limb" not in said

@@ -120,11 +120,14 @@ class MorphologySampler:
     def _describe(self, values: Array) -> str:
         shapes = self._task.solids(self._task.named(values.tolist()))
         limbs = [shape for shape in shapes if isinstance(shape, Capsule)]
-        slenderness = np.median([limb.length / limb.radius for limb in limbs]) if limbs else 0.0
-        build = "thin" if slenderness > 20 else "medium-thick" if slenderness > 8 else "thick"
-        longest = max((limb.length for limb in limbs), default=0.0)
-        size = "long" if longest > 0.8 else "short" if longest < 0.35 else "medium-long"
         volume = self._task.volume(values.tolist())
+        if not limbs:  # of boxes, cylinders or meshes, of which a shape tells the volume alone
+            share = volume / self._task.volume(self._task.reference)
+            return f"volume {volume:.3g} m³, {share:.0%} of the reference design's"
+        slenderness = np.median([limb.length / limb.radius for limb in limbs])
+        build = "thin" if slenderness > 20 else "medium-thick" if slenderness > 8 else "thick"
+        longest = max(limb.length for limb in limbs)
+        size = "long" if longest > 0.8 else "short" if longest < 0.35 else "medium-long"
         return (
             f"{build}, {size} limbs (median length/radius {slenderness:.0f}, longest limb "
             f"{longest:.2f} m), volume {volume:.3g} m³"
