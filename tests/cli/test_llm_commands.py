@@ -175,7 +175,7 @@ def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: 
 @pytest.mark.parametrize(
     ("fault", "tries", "exit_status", "said"),
     [
-        ("drop", 6, 1, "no connection"),
+        ("drop", 6, 1, "before it had answered"),
         ("wrong_key", 1, 2, "the key was refused"),
         # What each of these means is decided, and tested, where the client is.
         pytest.param("busy_for_an_hour", 1, 1, "asks to wait 3600 s", marks=exhaustive),

@@ -73,7 +73,13 @@ class LLMSettings:
 
 @dataclass(slots=True)
 class _Answers:
-    """What came of the answers so far, over all remarks."""
+    """What came of the answers so far, over all remarks.
+
+    Attributes:
+        useful: whether the model can answer, although perhaps not yet in the right form.
+        useless: answers without a design in conversations that ended without one. Those still under
+            way are left out: how many there are side by side must not decide anything.
+    """
 
     useful: bool = False
     useless: int = 0
@@ -234,7 +240,7 @@ class LLMDesigner:
             fresh = render("fresh", attempt=str(slot.attempt + 1))
             question = replace(question, text=f"{question.text}\n\n{fresh}")
         conversation = (*before, question)
-        alike = 0
+        alike = useless = 0
         for repair in range(self._settings.repairs + 1):
             request = Request(slot, repair, conversation, schema, self._settings.sampling)
             exchange = self._client.ask(request)
@@ -256,28 +262,28 @@ class LLMDesigner:
             said = [trouble.to_user] if trouble else list(errors)
             if cut := prompt_cut(exchange.messages, exchange.input_tokens):
                 said.append(cut)
-            self._stop_if_useless(trouble, said)
+            useless += bool(trouble)
+            if not trouble:
+                self._answers.useful = True
+            self._stop_if_useless(useless, said)
             if alike == _MOST_ALIKE:
                 break
             # Some providers refuse an empty message.
             echo = exchange.reply[:_LONGEST_ECHO] or "(no answer)"
             conversation = (*conversation, Message("assistant", echo), repair_message(errors))
+        self._answers.useless += useless
         raise ProposalFailed(
             f"no usable {slot.kind} in {repair + 1} answers; wrong with the last: "
             + "; ".join(said)
         )
 
-    def _stop_if_useless(self, trouble: Trouble | None, said: Sequence[str]) -> None:
-        """Raise `ModelUnavailable` if all answers so far had a trouble."""
-        if trouble is None:
-            # The model can answer, although not yet in the right form.
-            self._answers.useful = True
-            return
-        self._answers.useless += 1
-        if self._answers.useless >= _MOST_USELESS and not self._answers.useful:
+    def _stop_if_useless(self, here: int, said: Sequence[str]) -> None:
+        """Raise `ModelUnavailable` if no answer held a design so far, with `here` useless ones now."""
+        count = self._answers.useless + here
+        if count >= _MOST_USELESS and not self._answers.useful:
             raise ModelUnavailable(
-                f"{self._client.model.name} gave {self._answers.useless} answers and none holds a "
-                f"whole design: {'; '.join(said)}. Start a new run (--out) with other settings"
+                f"{self._client.model.name} gave {count} answers and none holds a whole design: "
+                f"{'; '.join(said)}. Start a new run (--out) with other settings"
             )
 
 
