@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
+
 import pytest
 from test_llm_designer import BODY, REWARD, coded, designer, said
 
 from llm.scripted import ScriptedModel
 from robomore.designers.llm.designer import LLMSettings
 from robomore.errors import ModelUnavailable, ProposalFailed
-from robomore.llm import Completion, MemoryLog, ReplayModel
+from robomore.llm import Completion, MemoryLog, ReplayModel, Request
 from robomore.types import Slot
 
 OUT_OF_TOKENS = Completion("", truncated=True, output_tokens=2048)
@@ -112,3 +115,18 @@ def test_a_user_is_told_that_the_server_cut_the_prompt() -> None:
     made = designer(ScriptedModel(lambda asked: answer), settings=LLMSettings(repairs=0))
     with pytest.raises(ProposalFailed, match=r"no JSON object.*read 450 tokens.*OLLAMA_CONTEXT"):
         made.propose_morphology(BODY, [])
+
+
+def test_useless_first_answers_side_by_side_stop_nothing() -> None:
+    count = 8
+    together = Barrier(count, timeout=10.0)
+
+    def answer(asked: Request) -> str:
+        together.wait()  # all first answers were useless before anybody has a better one
+        return coded(1 + asked.slot.index[0]) if asked.repair else "wait"
+
+    made = designer(ScriptedModel(answer))
+    slots = [Slot("coarse", "reward", (index,)) for index in range(count)]
+    with ThreadPoolExecutor(count) as pool:
+        found = list(pool.map(lambda slot: made.propose_reward(slot, []), slots))
+    assert len({one.source for one in found}) == count

@@ -278,7 +278,7 @@ class LLMDesigner:
         )
 
     def _stop_if_useless(self, here: int, said: Sequence[str]) -> None:
-        """Raise `ModelUnavailable` if no answer held a design so far, with `here` useless ones now."""
+        """Raise `ModelUnavailable` if no answer held a design so far, nor `here` ones now."""
         count = self._answers.useless + here
         if count >= _MOST_USELESS and not self._answers.useful:
             raise ModelUnavailable(
