@@ -70,7 +70,13 @@ def test_a_run_with_a_useful_answer_goes_on() -> None:
     assert made.propose_reward(Slot("coarse", "reward", (1,)), [])
 
 
-@pytest.mark.parametrize("answer", ["I'm sorry, I can't.", "<think>hm</think>", "[1, 2]"])
+NESTED = '{"parameters":' * 20_000
+BROKEN = '{"parameters": {"front_length" 0.3}}'
+
+
+@pytest.mark.parametrize(
+    "answer", ["I'm sorry, I can't.", "<think>hm</think>", "[1, 2]", NESTED, BROKEN]
+)
 def test_answers_without_a_design_are_counted_over_slots(answer: str) -> None:
     model = ScriptedModel(lambda asked: answer)
     made = designer(model, settings=LLMSettings(repairs=1))

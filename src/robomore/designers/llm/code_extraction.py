@@ -12,10 +12,10 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from robomore.designers.llm.extraction import HOLDS_NONE, NotFound, cleared
+from robomore.designers.llm.extraction import NotFound, Unreadable, cleared
 from robomore.designers.llm.fences import Block, blocks_of, blocks_within, dedented
 from robomore.designers.llm.thoughts import after_final_heading
-from robomore.designers.llm.wrappings import without_entities
+from robomore.designers.llm.wrappings import straightened, without_entities
 
 _MOST_BLOCKS = 20
 """Blocks of code that are looked at. An answer has a few, hostile text has thousands."""
@@ -40,6 +40,9 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
     code, closed = _of_characters(text, wanted) or _found(text, wanted)
     if left_out := _LEFT_OUT.search(code):
         raise NotFound(f"the answer leaves out code (`{left_out[0]}`); answer with all of it")
+    straight = straightened(code)
+    if straight != code and _tree(code) is None and _tree(straight) is not None:
+        code = straight
     return code, closed
 
 
@@ -252,7 +255,7 @@ def _bare(text: str, wanted: str) -> str:
     first = re.compile(r"\s*(?:(?:async\s+)?def|class)\s+\w+\s*[(:]")
     start = next((index for index, line in enumerate(lines) if first.match(line)), None)
     if start is None:
-        raise NotFound(f"{HOLDS_NONE} Python code that defines `{wanted}`")
+        raise Unreadable(f"the answer holds no Python code that defines `{wanted}`")
     margin = len(lines[start]) - len(lines[start].lstrip())
     while start > 0 and _is_code(lines[start - 1], margin) and lines[start - 1].strip():
         start -= 1

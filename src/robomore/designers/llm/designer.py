@@ -8,7 +8,7 @@ from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
-from robomore.designers.llm.extraction import EMPTY, HOLDS_NONE
+from robomore.designers.llm.extraction import EMPTY
 from robomore.designers.llm.history import CurveOf, HistorySettings
 from robomore.designers.llm.parsing import (
     InvalidReply,
@@ -17,6 +17,7 @@ from robomore.designers.llm.parsing import (
     messages,
     parse_morphology,
     parse_reward,
+    unreadable,
 )
 from robomore.designers.llm.prompting import (
     morphology_schema,
@@ -252,7 +253,7 @@ class LLMDesigner:
                 with self._lock:
                     proposal = parse(exchange)
             except InvalidReply as invalid:
-                trouble = trouble or _without_design(invalid.errors, exchange.reply)
+                trouble = trouble or _without_design(exchange.reply, slot.kind)
                 errors = _explained(invalid.errors, trouble)
                 self._client.set_errors(exchange, errors)
             else:
@@ -287,17 +288,18 @@ class LLMDesigner:
             )
 
 
-def _without_design(errors: Sequence[str], reply: str) -> Trouble | None:
+def _without_design(reply: str, kind: str) -> Trouble | None:
     """Return the trouble with a whole answer that holds no design, `None` if it holds one."""
-    if not errors[0].startswith((HOLDS_NONE, EMPTY)):
+    why = unreadable(reply, kind)
+    if not why:
         return None
     lines = [line for line in map(one_line, reply.splitlines()) if line]
     first = lines[0] if lines else ""
     quote = first if len(first) <= _LONGEST_QUOTE else first[:_LONGEST_QUOTE] + "…"
     return Trouble(
-        f"{errors[0]}; it begins {quote!r}; choose another model, or see with `robomore llm check` "
+        f"{why}; it begins {quote!r}; choose another model, or see with `robomore llm check` "
         "whether this one can answer in JSON",
-        errors[0],
+        why,
         lasting=False,
     )
 

@@ -14,6 +14,7 @@ from typing import Any
 from robomore.designers.llm.thoughts import after_final_heading, without_thoughts
 from robomore.designers.llm.wrappings import (
     closing_brace,
+    straightened,
     unboxed,
     without_entities,
     without_quote,
@@ -32,14 +33,16 @@ _INVISIBLE = re.compile("[\ufeff\u200b\u2060]")
 """A byte order mark, and spaces without width."""
 
 
-HOLDS_NONE = "the answer holds no"
-"""The message about an answer without any JSON or Python code begins so."""
 EMPTY = "the answer is empty"
 """The message about an answer with nothing beside thoughts."""
 
 
 class NotFound(Exception):
     """The answer does not hold what was asked for. The message says what is wrong."""
+
+
+class Unreadable(NotFound):
+    """There is nothing in the answer that can be read as JSON or as Python code."""
 
 
 def find_object(text: str, wanted: str) -> dict[str, Any]:
@@ -50,9 +53,10 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
     """
     given, text = text, cleared(text, wanted)
     found, errors = _objects(text, wanted)
-    if not found and (plain := without_entities(given)) != given:
-        text = cleared(plain, wanted)
-        found, errors = _objects(text, wanted)
+    for other in _otherwise_written(given):
+        if not found:
+            text = cleared(other, wanted)
+            found, errors = _objects(text, wanted)
     if len(found) > 1:
         final = after_final_heading(text)
         last = _objects(final, wanted)[0] if final is not None else []
@@ -61,7 +65,17 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
         found = last
     if found:
         return found[0]
-    raise NotFound(*errors[:1] or [f'{HOLDS_NONE} JSON object with "{wanted}"'])
+    error = errors[0] if errors else Unreadable(f'the answer holds no JSON object with "{wanted}"')
+    if isinstance(error, Unreadable) and straightened(given) != given:
+        raise Unreadable(f'{error}; mind that JSON takes straight quotes (") and no others')
+    raise error
+
+
+def _otherwise_written(text: str) -> list[str]:
+    """Return `text` without HTML's names of characters, and with straight quotes besides."""
+    plain = without_entities(text)
+    ways = dict.fromkeys((plain, straightened(plain)))
+    return [way for way in ways if way != text]
 
 
 def cleared(text: str, wanted: str) -> str:
@@ -71,33 +85,35 @@ def cleared(text: str, wanted: str) -> str:
         NotFound: it is empty or too long.
     """
     if len(text) > LONGEST:
-        raise NotFound(f"the answer has {len(text):,} characters; answer with the design alone")
+        raise Unreadable(f"the answer has {len(text):,} characters; answer with the design alone")
     text = _INVISIBLE.sub("", text.replace("\r\n", "\n").translate(_SPACES))
     text = without_thoughts(without_quote(text, wanted), wanted)
     text = unboxed(text, wanted)
     if not text:
-        raise NotFound(EMPTY)
+        raise Unreadable(EMPTY)
     return text
 
 
-def _objects(text: str, wanted: str) -> tuple[list[dict[str, Any]], list[str]]:
+def _objects(text: str, wanted: str) -> tuple[list[dict[str, Any]], list[NotFound]]:
     """Return the different objects that have the key `wanted`, and what is wrong with others."""
     found: list[dict[str, Any]] = []
-    errors: list[str] = []
+    errors: list[NotFound] = []
     at, tries = text.find("{"), 0
     while at != -1 and tries < _TRIES:
         tries += 1
         end = closing_brace(text, at)
         if end is None:
             if f'"{wanted}"' in text[at:]:
-                errors.append("the JSON object is not closed; the answer seems to be cut off")
+                errors.append(
+                    Unreadable("the JSON object is not closed; the answer seems to be cut off")
+                )
             at = text.find("{", at + 1)
             continue
         try:
             parsed = _unwrapped(_parsed(text[at:end]), wanted)
         except NotFound as error:
             if wanted in text[at:end]:
-                errors.append(str(error))
+                errors.append(error)
         else:
             if isinstance(parsed, dict) and wanted in parsed and parsed not in found:
                 found.append(parsed)
@@ -120,14 +136,14 @@ def _parsed(text: str) -> Any:
                 where = f"line {error.lineno}, column {error.colno}"
                 first = f"the JSON cannot be read: {error.msg} ({where})"
         except RecursionError:
-            raise NotFound("the JSON is nested too deeply") from None
+            raise Unreadable("the JSON is nested too deeply") from None
         except ValueError as error:
             # An integer with thousands of digits.
             raise NotFound(f"the JSON cannot be read: {error}") from None
     try:
         return ast.literal_eval(text)
     except (ValueError, SyntaxError, RecursionError, MemoryError, TypeError):
-        raise NotFound(first) from None
+        raise Unreadable(first) from None
 
 
 def _tidied(text: str) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from robomore.designers.llm.code_extraction import find_code
-from robomore.designers.llm.extraction import NotFound, find_object
+from robomore.designers.llm.extraction import NotFound, Unreadable, find_object
 from robomore.designers.llm.quantities import NoNumber, read_parameters
 from robomore.errors import InvalidMorphology
 from robomore.rewards.check import NAME, Finding, check_reward
@@ -86,6 +86,25 @@ def parse_reward(
     normalized = _normalized(code)
     _refuse_repeats("reward", [_normalized(earlier.source) == normalized for earlier in taken])
     return Reward(code.rstrip() + "\n", _idea(code))
+
+
+def unreadable(reply: str, kind: str) -> str:
+    """Return why nothing in a reply can be read as a design, or an empty text if something can.
+
+    Args:
+        reply: the answer of a model.
+        kind: `morphology` or `reward`, which was asked for.
+    """
+    try:
+        if kind == "morphology":
+            find_object(reply, "parameters")
+        else:
+            find_code(reply, NAME)
+    except Unreadable as error:
+        return str(error)
+    except NotFound:
+        pass
+    return ""
 
 
 def error_messages(findings: Sequence[Finding]) -> list[str]:

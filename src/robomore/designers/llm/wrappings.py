@@ -20,6 +20,12 @@ _TEXT_IN_BOX = re.compile(r"\\(?:text|texttt|mathrm|mathtt)\s*(?=\{)")
 _LATEX_ESCAPE = re.compile(r"\\([{}_#%&$])")
 _ENTITY = re.compile(r"&(?:quot|apos|lt|gt|amp|nbsp|#\d{1,6}|#[xX][0-9a-fA-F]{1,6});")
 
+_STRAIGHT = str.maketrans(
+    dict.fromkeys("\u201c\u201d\u201e\u201f\u2033\uff02", '"')
+    | dict.fromkeys("\u2018\u2019\u201a\u201b\u2032\uff07", "'")
+)
+"""Quotes of typography and of wide letters, which JSON and Python do not take."""
+
 
 def without_quote(text: str, wanted: str) -> str:
     """Return `text` without the `>` of a quotation, if what is wanted stands in the quotation.
@@ -56,6 +62,11 @@ def without_entities(text: str) -> str:
     for _ in range(2):  # some texts are escaped twice
         text = _ENTITY.sub(lambda entity: html.unescape(entity[0]), text)
     return text
+
+
+def straightened(text: str) -> str:
+    """Return `text` with the straight quotes of JSON and Python in the place of typographic ones."""
+    return text.translate(_STRAIGHT)
 
 
 def closing_brace(text: str, start: int) -> int | None:
