@@ -182,7 +182,7 @@ def test_a_model_that_does_not_answer_is_one_line(robomore_: Command, tmp_path: 
         pytest.param("broken", 6, 1, "HTTP 500", marks=exhaustive),
         pytest.param("half", 6, 1, "cannot be read", marks=exhaustive),
         pytest.param("no_choices", 6, 1, "without content", marks=exhaustive),
-        pytest.param("page", 6, 1, "ends in /v1", marks=exhaustive),
+        pytest.param("page", 6, 1, "sent a web page", marks=exhaustive),
         pytest.param("wrong_model", 1, 2, "no model of the name", marks=exhaustive),
     ],
 )
@@ -450,6 +450,9 @@ def test_the_check_tells_whether_a_model_can_design(robomore_: Command) -> None:
         status, out, _ = robomore_("llm", "check", "--base-url", url, "--model", "toy")
     assert status == 0 and len(script.seen) == 2
     assert "answers: ready" in out and "keeps to a JSON schema" in out and "240 tokens" in out
+    with serve("thinking_only") as (url, _):
+        status, out, _ = robomore_("llm", "check", "--base-url", url, "--model", "toy")
+    assert status == 0 and "note:    the server sends answers as thoughts" in out
     with serve("broken") as (url, script):
         status, _, err = robomore_("llm", "check", "--base-url", url, "--model", "toy")
     assert status == 1 and len(script.seen) == 2 and "HTTP 500" in one_line(err)
@@ -460,8 +463,8 @@ def test_the_check_tells_whether_a_model_can_design(robomore_: Command) -> None:
     ("steps", "shown", "said"),
     [
         (["cut_off"], "answers: {", "--max-output-tokens"),
-        (["thinking_only"], "answers: {", "thoughts and no answer"),
-        (["say"], "JSON:    no", "asked for JSON, it answered 'ready'"),
+        (["thinking_only", ("say", "no")], "answers: {", "(1) the server sent thoughts and no"),
+        (["say"], "JSON:    no", """asked for {"length": 2.5}, it answered 'ready', which is no"""),
         ([("say", "no\x1b[2J" * 50)], "answers: no", "'no�[2Jno"),
         (["no_choices"], "", "look into the server's log"),
     ],

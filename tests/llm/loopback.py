@@ -174,6 +174,15 @@ class Handler(BaseHTTPRequestHandler):
     def message_as_list(self) -> None:
         self.say(choices=[{"index": 0, "message": ["x"], "finish_reason": "stop"}])
 
+    def content_as_number(self) -> None:
+        self.end_as("stop", content=5)
+
+    def error_as_answer(self) -> None:
+        self.send(200, '{"object": "error", "message": "out of memory", "code": 500}')
+
+    def broken_page(self) -> None:
+        self.send(500, "<!doctype html><html><body>oops</body></html>", "text/html")
+
     def not_an_object(self) -> None:
         self.send(200, "[1, 2, 3]")
 

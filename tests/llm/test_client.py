@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import gzip
 import json
+import re
 import resource
 import sys
 
@@ -137,10 +138,13 @@ def test_a_stall_is_given_up_and_tried_again(fault: str) -> None:
         ("drop", "before it had answered"),
         ("half", "cannot be read"),
         ("no_choices", "without content"),
-        ("choices_as_text", "cannot be read"),
-        ("choices_as_numbers", "cannot be read"),
-        ("message_as_list", "cannot be read"),
-        ("not_an_object", "is no JSON"),
+        ("choices_as_text", "sent a text as `choices`"),
+        ("choices_as_numbers", "`choices` that hold a number"),
+        ("message_as_list", "cannot be read: choices.0.message: "),
+        ("content_as_number", "cannot be read: choices.0.message.content: .*valid string"),
+        ("not_an_object", "sent a list in the place of an object"),
+        ("error_as_answer", "sent an error as if it were an answer: out of memory"),
+        ("broken_page", r"HTTP 500: a web page in the place of an answer \('oops'\)"),
         ("busy", "busy: slow down"),
         ("busy_for_an_hour", "asks to wait 3600 s"),
     ],
@@ -151,6 +155,7 @@ def test_a_lasting_fault_ends_in_one_line(fault: str, said: str) -> None:
         with pytest.raises(ModelUnavailable, match=said) as caught:
             model.complete(PLAIN)
     assert "\n" not in str(caught.value) and "run the same command" in str(caught.value)
+    assert not re.search("pydantic|attribute|input_value|ends in /v1", str(caught.value))
     assert len(script.seen) == (1 if fault == "busy_for_an_hour" else 2)
 
 
@@ -263,8 +268,8 @@ def test_a_server_that_restarts_is_waited_for() -> None:
     [
         ("wrong_key", "the key was refused"),
         ("wrong_model", "no model of the name"),
-        ("wrong_path", "ends in /v1"),
-        ("page", r"sent a web page \('please log in'\).*--base-url.*ends in /v1"),
+        ("wrong_path", r"says HTTP 404 with a web page \('nothing here'\); correct --base-url"),
+        ("page", r"sent a web page \('please log in'\).*--base-url"),
         ("alternatives", "values"),
         ("nested", "values"),
         ("no_money", "quota is used up"),
@@ -371,6 +376,14 @@ def test_the_reason_of_an_incomplete_answer_is_kept(
         assert "--" not in trouble.to_model
 
 
+@pytest.mark.parametrize("fault", ["page", "wrong_path"])
+def test_the_usual_end_of_a_url_is_advised_where_it_is_absent(fault: str) -> None:
+    for end, advised in (("/v1", False), ("", True), ("/api", True)):
+        with serve(fault) as (url, _), pytest.raises(InputError) as told:
+            model_at(url.removesuffix("/v1") + end)[0].complete(PLAIN)
+        assert ("usually ends in /v1" in str(told.value)) == advised
+
+
 @pytest.mark.parametrize("step", ["filtered", "refusing", "thinking_cut_off", "silent"])
 def test_check_fails_without_an_answer(step: str) -> None:
     with serve(step) as (url, _), pytest.raises(ModelUnavailable, match="gave no answer: the"):
@@ -450,6 +463,27 @@ def test_odd_answers_are_answers() -> None:
     assert silent.reply == ""
     assert uncounted.input_tokens > 0 and uncounted.output_tokens > 0
     assert cut_off.truncated and not silent.truncated
+
+
+@pytest.mark.parametrize(
+    ("steps", "said"),
+    [
+        (["say", ("say", '{"size": 2}')], "'{\"size\": 2}', which is JSON of another form"),
+        (["say", ("say", "a length of 2")], "'a length of 2', which is no JSON"),
+        ([("say", "I'm sorry, I can't.")], "it refuses, or cannot follow: choose another model"),
+    ],
+)
+def test_check_says_what_came_in_the_place_of_what_was_asked_for(steps: list, said: str) -> None:
+    with serve(*steps) as (url, _):
+        result = check(model_at(url)[0])
+    assert len(result.faults) == 1 and said in result.faults[0]
+
+
+def test_check_accepts_what_a_run_reads_from_thoughts() -> None:
+    with serve("thinking_only") as (url, _):
+        result = check(model_at(url)[0])
+    assert (result.structured, result.faults) == ("schema", ())
+    assert "thoughts" in result.note
 
 
 @pytest.mark.parametrize(

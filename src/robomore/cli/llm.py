@@ -224,7 +224,11 @@ def check(*, model: ModelOptions | None = None) -> None:
         f"JSON:    {_STRUCTURED[found.structured]}\n"
         f"took:    {found.seconds:.1f} s, {found.tokens} tokens, {cost}\n"
     )
+    if found.note:
+        write(f"note:    {found.note}\n")
     faults = [fault for fault in (*found.faults, found.prompt_cut) if fault]
+    if len(faults) > 1:
+        faults = [f"({number}) {fault}" for number, fault in enumerate(faults, start=1)]
     if faults:
         raise ModelUnavailable(f"{found.model} is not ready for a run: {'; '.join(faults)}")
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import errno
 import json
+import re
 import socket
 from collections.abc import Iterator
 
 from httpx2 import CloseError, ConnectTimeout, NetworkError, ProtocolError, ReadError
+from pydantic import ValidationError
 from pydantic_ai.exceptions import (
     ModelAPIError,
     ModelAuthenticationError,
@@ -21,9 +23,10 @@ from pydantic_ai.exceptions import (
     ModelRequestTimeout,
     ModelTimeoutError,
 )
+from pydantic_core import ErrorDetails
 
 from robomore.errors import InputError, ModelUnavailable
-from robomore.llm.http import AnswerTooLarge, Redirected, WebPage
+from robomore.llm.http import AnswerTooLarge, OddAnswer, Redirected, WebPage, words_of_page
 from robomore.llm.redaction import public_url, redact_error
 from robomore.llm.retry import TransientError
 
@@ -70,10 +73,9 @@ def translate(
             said = f"{url} sent a web page ({_short(str(cause))!r}) in the place of an answer"
             if reached:
                 return TransientError(said)
-            return InputError(
-                f"{said}; correct --base-url (for ollama: OLLAMA_BASE_URL); that of a compatible "
-                "server usually ends in /v1"
-            )
+            return InputError(f"{said}; {_remedy_of_url(url)}")
+        if isinstance(cause, OddAnswer):
+            return TransientError(f"{name} at {url} sent {_short(str(cause))}")
         if not reached and _nobody_there(cause):
             return ModelUnavailable(
                 f"no server answers at {url} ({_short(str(cause))}); start the server of {name}, "
@@ -89,6 +91,10 @@ def translate(
             return InputError(f"{name}: the key was refused; set the right key in {where}")
         case ModelQuotaExceededError():
             return InputError(f"{name}: the account's quota is used up: {_message(error)}")
+        case ModelNotFoundError() if page := _page(error):
+            return InputError(
+                f"{url} says HTTP 404 with a web page ({page!r}); {_remedy_of_url(url)}"
+            )
         case ModelContextWindowExceededError():
             remedy = "lower --history-tokens, or choose a model with a longer context"
             return InputError(f"{name}: the prompt is too long for this model; {remedy}")
@@ -153,11 +159,27 @@ def _unreadable(error: Exception, name: str, url: str) -> str:
     if isinstance(error, IndexError | KeyError):
         return f"{name} sent an answer without content"
     if "expected JSON data" in message or "Expected a JSON response" in message:
-        return (
-            f"{url} sent something that is no JSON (a web page?); the URL of a compatible server "
-            "usually ends in /v1"
-        )
+        return f"{url} sent something that is no JSON; {_remedy_of_url(url)}"
+    for cause in _causes(error):
+        if isinstance(cause, ValidationError):
+            message = "; ".join(_fault(one) for one in cause.errors()[:3])
+    if isinstance(error, AttributeError | TypeError):
+        message = "its form is not that of the protocol"
     return f"{name} sent an answer that cannot be read: {_short(message)}"
+
+
+def _fault(error: ErrorDetails) -> str:
+    """Return what is wrong with which field of an answer."""
+    said = error["msg"]
+    return f"{'.'.join(map(str, error['loc']))}: {said[:1].lower()}{said[1:]}"
+
+
+def _remedy_of_url(url: str) -> str:
+    """Return what to do about a URL at which something else answers."""
+    remedy = "correct --base-url (for ollama: OLLAMA_BASE_URL)"
+    if re.search(r"/v\d", url):
+        return remedy
+    return f"{remedy}; that of a compatible server usually ends in /v1"
 
 
 def _message(error: ModelAPIError) -> str:
@@ -168,10 +190,17 @@ def _message(error: ModelAPIError) -> str:
             body = body[field]
     if body is None or body == "":
         body = error.message
-    text = body if isinstance(body, str) else json.dumps(body, default=str)
-    if "<html" in text.lower() or "<!doctype" in text.lower():
-        return "a web page instead of an answer; the URL of a compatible server usually ends in /v1"
-    return _short(text)
+    if page := _page(error):
+        return f"a web page in the place of an answer ({page!r})"
+    return _short(body if isinstance(body, str) else json.dumps(body, default=str))
+
+
+def _page(error: ModelAPIError) -> str:
+    """Return the first words of a web page that came with an error, or an empty text."""
+    body = getattr(error, "body", None) or error.message
+    if not isinstance(body, str) or not re.search("<html|<!doctype", body, re.IGNORECASE):
+        return ""
+    return redact_error(words_of_page(body)) or "without words"
 
 
 def _short(text: str) -> str:

@@ -42,6 +42,10 @@ class Redirected(Exception):
     """A server wants the request, and the key in it, to go elsewhere; it says where."""
 
 
+class OddAnswer(Exception):
+    """A server sent JSON that is no answer; it says what it is."""
+
+
 class WebPage(Exception):
     """A server sent a web page in the place of an answer; it says with which words that begins."""
 
@@ -94,7 +98,7 @@ class _Bounded(httpx2.AsyncByteStream):
             body += part
         if self._success:
             _check(bytes(body))
-            yield _without_odd_usage(bytes(body))
+            yield _answer(bytes(body))
         else:
             yield bytes(body)
 
@@ -110,24 +114,54 @@ def _check(body: bytes) -> None:
         AnswerTooLarge: it has too many values.
     """
     if body.lstrip()[:1] == b"<":
-        text = _MARKUP.sub(" ", body[:20_000].decode("utf-8", "replace"))
-        raise WebPage(" ".join(text.split())[:80])
+        raise WebPage(words_of_page(body.decode("utf-8", "replace")))
     bare = _TEXT.sub(b"", body)
     if (values := bare.count(b",") + bare.count(b"{") + bare.count(b"[")) > MOST_VALUES:
         raise AnswerTooLarge(f"an answer of {values:,} values (the most is {MOST_VALUES:,})")
 
 
-def _without_odd_usage(body: bytes) -> bytes:
-    """Return an answer without counts of tokens that cannot be true, which are estimated then."""
+def words_of_page(page: str) -> str:
+    """Return the words with which a web page begins, without its markup."""
+    return " ".join(_MARKUP.sub(" ", page[:20_000]).split())[:80]
+
+
+def _answer(body: bytes) -> bytes:
+    """Return an answer without counts of tokens that cannot be true, which are estimated then.
+
+    Raises:
+        OddAnswer: it is JSON, and no answer of any protocol.
+    """
     try:
         answer = json.loads(body)
     except (ValueError, RecursionError):
         return body  # The library says what is wrong with it.
-    usage = answer.get("usage") if isinstance(answer, dict) else None
+    if not isinstance(answer, dict):
+        raise OddAnswer(f"{_named(answer)} in the place of an object")
+    choices = answer.get("choices")
+    if not choices and (answer.get("error") or answer.get("object") == "error"):
+        raise OddAnswer(f"an error as if it were an answer: {_said(answer)}")
+    if choices is not None and not isinstance(choices, list):
+        raise OddAnswer(f"{_named(choices)} as `choices`, which is a list of answers")
+    if choices and not all(isinstance(choice, dict) for choice in choices):
+        raise OddAnswer(f"`choices` that hold {_named(choices[0])} in the place of an answer")
+    usage = answer.get("usage")
     if usage is None or _counts(usage):
         return body
     del answer["usage"]
     return json.dumps(answer).encode()
+
+
+def _named(value: Any) -> str:
+    """Return what a value of JSON is, for a message."""
+    kinds = {str: "a text", list: "a list", dict: "an object", bool: "a truth value"}
+    return "nothing" if value is None else kinds.get(type(value), "a number")
+
+
+def _said(answer: dict[str, Any]) -> str:
+    """Return the message in an answer that is an error."""
+    error = answer.get("error") or answer
+    message = error.get("message") or error.get("detail") if isinstance(error, dict) else error
+    return str(message or "it says no more")[:200]
 
 
 def _counts(usage: Any) -> bool:

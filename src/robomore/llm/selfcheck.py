@@ -23,6 +23,9 @@ _SCHEMA = {
 
 _FILLER = " ".join(["a", "e", "i", "o", "u"] * 1400)
 """As long as a prompt with a short history: each word is a token of every tokenizer."""
+_WORD = "ready"
+_FORM = '{"length": 2.5}'
+_OTHER = "choose another model"
 _LONGEST_QUOTE = 80
 """Characters of an answer that are shown."""
 
@@ -41,6 +44,7 @@ class Check:
         cost: in US dollars, or `None` if no price is known.
         prompt_cut: that the server reads long prompts in part only, or empty.
         faults: what makes the answers unfit for a run, each with its remedy.
+        note: what a user should know of answers that a run can use, or empty.
     """
 
     model: str
@@ -51,6 +55,7 @@ class Check:
     cost: float | None
     prompt_cut: str = ""
     faults: tuple[str, ...] = ()
+    note: str = ""
 
 
 def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
@@ -71,22 +76,25 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
             raise ModelUnavailable(f"{model.name} gave no answer: {trouble.to_user}")
         return completion
 
-    long = f"Leave these letters aside: {_FILLER}\n\nAnswer with the single word: ready"
+    long = f"Leave these letters aside: {_FILLER}\n\nAnswer with the single word: {_WORD}"
     plain = answer(0, long)
     messages = (Message("user", long),)
     # Without a count of the server, an estimate takes its place.
     counted = plain.input_tokens != estimate_prompt(messages)
-    form = 'Answer with JSON alone, of the form {"length": 2.5}, any number from 0 to 10.'
+    form = f"Answer with JSON alone, of the form {_FORM}, any number from 0 to 10."
     formed = answer(1, form, _SCHEMA)
     structured = _structure(formed)
-    troubles = [trouble_with(completion) for completion in (plain, formed)]
+    # A run reads answers that a server takes for thoughts, if a design is among them.
+    as_thoughts = structured != "no" and formed.ending == "thoughts"
+    troubles = [
+        trouble_with(completion)
+        for completion in (plain, formed)
+        if not (as_thoughts and completion.ending == "thoughts")
+    ]
     # Both answers can have the same trouble.
     faults = list(dict.fromkeys(trouble.to_user for trouble in troubles if trouble))
-    if structured == "no" and not troubles[1]:
-        faults.append(
-            f"asked for JSON, it answered {one_line(formed.reply)[:_LONGEST_QUOTE]!r}; choose "
-            "another model"
-        )
+    if structured == "no" and not trouble_with(formed):
+        faults.append(_not_as_asked(plain.reply, formed.reply))
     costs = (plain.cost, formed.cost)
     return Check(
         model=model.name,
@@ -97,7 +105,23 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
         cost=None if None in costs else sum(cost or 0.0 for cost in costs),
         prompt_cut=prompt_cut(messages, plain.input_tokens) if counted else "",
         faults=tuple(faults),
+        note="the server sends answers as thoughts (reasoning_content); they are read from there"
+        if as_thoughts
+        else "",
     )
+
+
+def _not_as_asked(plain: str, formed: str) -> str:
+    """Return what came in the place of the JSON that was asked for, and what to do."""
+    if _WORD not in plain.lower():
+        said = f"asked for the word {_WORD!r}, it answered {_quoted(plain)}, and "
+        return f"{said}asked for JSON, {_quoted(formed)}; it refuses, or cannot follow: {_OTHER}"
+    form = "JSON of another form" if _is_object(formed) else "no JSON"
+    return f"asked for {_FORM}, it answered {_quoted(formed)}, which is {form}; {_OTHER}"
+
+
+def _quoted(text: str) -> str:
+    return repr(one_line(text)[:_LONGEST_QUOTE])
 
 
 def _structure(completion: Completion) -> Literal["schema", "words", "no"]:
@@ -114,3 +138,10 @@ def _has_length(text: str) -> bool:
     except (ValueError, RecursionError):
         return False
     return isinstance(found, dict) and isinstance(found.get("length"), int | float)
+
+
+def _is_object(text: str) -> bool:
+    try:
+        return isinstance(json.loads(text), dict)
+    except (ValueError, RecursionError):
+        return False

@@ -65,7 +65,7 @@ def without_entities(text: str) -> str:
 
 
 def straightened(text: str) -> str:
-    """Return `text` with the straight quotes of JSON and Python in the place of typographic ones."""
+    """Return `text` with the straight quotes of JSON and Python, not those of typography."""
     return text.translate(_STRAIGHT)
 
 
