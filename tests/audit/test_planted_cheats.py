@@ -35,7 +35,9 @@ def test_a_limb_through_the_floor() -> None:
     cheat = penetration.check(still(through_the_floor(task)))
     assert cheat.outcome == "fails" and "foot goes" in cheat.says
     assert cheat.numbers["deepest_radii"] > 2 and cheat.numbers["deep_share"] > 0.5
-    assert penetration.check(still(task)).outcome == "passes"
+    assert cheat.numbers["usual_depth_m"] > 0.046  # the radius of its limbs
+    stands = penetration.check(still(task))
+    assert stands.outcome == "passes" and 0 < stands.numbers["usual_depth_m"] < 0.02
 
 
 def test_a_physics_that_diverges_fails() -> None:

@@ -52,6 +52,7 @@ class Ground:
         self._tile = terrain.tile(task.terrain) * task.terrain.height if bumpy else None  # type: ignore[union-attr]
         self._deepest = np.full(len(moving), -np.inf)
         self._deep = self._looks = 0
+        self._sunk: list[float] = []
         self._carried = np.zeros(model.ngeom)
         self._force = np.zeros(6)
 
@@ -59,6 +60,11 @@ class Ground:
     def deep_share(self) -> float:
         """Fraction of the poses in which some part is deeper than its own radius."""
         return self._deep / self._looks if self._looks else 0.0
+
+    @property
+    def usual_depth(self) -> float:
+        """Depth in m of the deepest part, the median of the poses in which one is in the ground."""
+        return float(np.median(self._sunk)) if self._sunk else 0.0
 
     def depths(self) -> dict[str, float]:
         """Return how deep each part goes at most, in its radii; 0 for one that stays above."""
@@ -85,6 +91,8 @@ class Ground:
         depth = np.maximum(self._depth(centre - axis), self._depth(centre + axis))
         self._deepest = np.maximum(self._deepest, depth)
         self._deep += bool((depth > 1).any())
+        if (sunk := float((depth * self._radius).max())) > 0:
+            self._sunk.append(sunk)
         self._looks += 1
         contact = data.contact
         for number, (one, other) in enumerate(contact.geom):

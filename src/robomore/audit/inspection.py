@@ -31,6 +31,7 @@ class Inspection:
         support: fraction of the ground's force that each geom carries, by name.
         depths: for each geom, by name: how deep it goes into the ground at most, in its own radii.
         deep_share: fraction of the time in which some geom is deeper than its own radius.
+        usual_depth: of the deepest geom in m, the median of the time in which one is in the ground.
         has_ground: whether the robot is meant to touch a ground at all.
         overlap_share: fraction of the time in which parts overlap whose collision the task switches
             off.
@@ -50,6 +51,7 @@ class Inspection:
     support: dict[str, float]
     depths: dict[str, float]
     deep_share: float
+    usual_depth: float
     has_ground: bool
     overlap_share: float
     overlapping: tuple[str, ...]
@@ -114,6 +116,7 @@ class InspectedEnv(MeasuredEnv):
             support=self._ground.support(),
             depths=self._ground.depths(),
             deep_share=self._ground.deep_share,
+            usual_depth=self._ground.usual_depth,
             has_ground=self._ground.exists,
             overlap_share=self._overlap.share,
             overlapping=self._overlap.worst,

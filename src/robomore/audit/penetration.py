@@ -32,6 +32,11 @@ def check(subject: Subject) -> Verdict:
         "penetration",
         outcome,
         f"{part} goes {number(depth, 2)} radii into the ground at most; some limb is deeper than "
-        f"its own radius for {100 * seen.deep_share:.1f} % of the time.",
-        {"deepest_radii": depth, "deep_share": seen.deep_share},
+        f"its own radius for {100 * seen.deep_share:.1f} % of the time. What touches the ground is "
+        f"{1000 * seen.usual_depth:.0f} mm deep in the median.",
+        {
+            "deepest_radii": depth,
+            "deep_share": seen.deep_share,
+            "usual_depth_m": seen.usual_depth,
+        },
     )
