@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from cli.commands import Command
 from dog import DOG, write_arm, write_dog
+from tripod import STEADY, TRIPOD, write_tripod
 
 
 def test_a_robot_that_moves_is_said_to_move(tmp_path: Path, robomore_: Command) -> None:
@@ -45,3 +48,35 @@ def test_a_keyframe_outside_of_a_range_is_told_by_both(tmp_path: Path, robomore_
     assert said.status == 0 and "`FL_knee`: -0.4 became -0.9 rad" in said.words
     checked = robomore_("check-task", tmp_path / "dog" / "task.toml").words
     assert "`FL_knee`: rests at -0.9" in checked and "none of them holds the rest pose" in checked
+
+
+def test_a_robot_that_diverges_is_told_by_both_with_what_cures_it(
+    tmp_path: Path, robomore_: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    task = tmp_path / "made" / "task.toml"
+    made = robomore_("new", write_tripod(tmp_path, TRIPOD), "--out", tmp_path / "made")
+    files = set(tmp_path.iterdir())
+    checked = robomore_("check-task", task)
+    task.write_text(task.read_text().replace("reach = 0.35", "reach = 1.0"))
+    far = robomore_("check-task", task)
+    for said in (made, checked, far):
+        assert said.status == 2 and "the reference robot: The physics diverged" in said.err
+        assert '<joint armature="0.01" damping="0.2"/>' in said.err and "kp" in said.err
+        assert 'timestep="0.0025"/>; it is 0.005 s now' in said.err and "WARNING" not in said.err
+    assert made.err == checked.err and "robomore run" not in made.out
+    assert set(tmp_path.iterdir()) == files, "MuJoCo writes no log"
+    for number, text in enumerate((STEADY, TRIPOD.replace('"0.005"', '"0.001"'))):
+        cured = robomore_("new", write_tripod(tmp_path, text), "--out", tmp_path / f"{number}")
+        assert cured.status == 0 and "robomore run" in cured.out
+
+
+def test_the_command_that_new_prints_fits_the_goal(tmp_path: Path, robomore_: Command) -> None:
+    dog, arm = write_dog(tmp_path), write_arm(tmp_path)
+    for robot, options, objective in (
+        (dog, (), "--preset smoke"),
+        (dog, ("--goal", "economy"), "--preset smoke --objective transport-economy"),
+        (arm, ("--base", "fixed"), "--preset smoke --objective fitness"),
+    ):
+        said = robomore_("new", robot, *options, "--out", tmp_path / f"made{len(objective)}")
+        assert said.out.endswith(f"task.toml {objective}\n")

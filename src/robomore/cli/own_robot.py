@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from robomore.tasks import Task
 
 
+_OBJECTIVES = {"transport-economy": "transport-economy", "target-reached": "fitness"}
+"""What a search compares for a goal of which a quotient by the robot's volume says little."""
+
+
 def new(
     robot: Path,
     /,
@@ -51,12 +55,13 @@ def new(
     folder = out or Path(robot.stem)
     new_folder(folder)
     file = write_proposal(read, robot, folder, free or (), goal)
-    _tell(read_task_file(file), read.notes)
-    write(
-        f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n"
-        f"robomore check-task {file}\n"
-        f"robomore run {file} --preset smoke\n"
-    )
+    made = read_task_file(file)
+    _tell(made, read.notes)
+    write(f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n")
+    _check(made.task, str(file))
+    fitness = made.task.goal.name
+    objective = f" --objective {_OBJECTIVES[fitness]}" if fitness in _OBJECTIVES else ""
+    write(f"robomore check-task {file}\nrobomore run {file} --preset smoke{objective}\n")
 
 
 def check_task(task: str, /, *, picture: Path | None = None) -> None:
@@ -69,13 +74,11 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
     picture
         Draw the robot into this file (.svg or .png), with what is free in colour and numbered.
     """
-    from robomore.errors import InputError
     from robomore.importer.task_file import read_task_file
     from robomore.rendering.marks import draw_free
     from robomore.rendering.pictures import save_picture
     from robomore.tasks import get_task
     from robomore.tasks.registry import SUFFIX
-    from robomore.testing.tasks import check_task as check
 
     if task.endswith(SUFFIX):
         _tell(read_task_file(Path(task)))
@@ -84,11 +87,27 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
     if picture is not None:
         save_picture(draw_free(chosen), picture, chosen.title)
         write(f"picture: {picture}\n")
-    try:
-        check(chosen)
-    except AssertionError as error:
-        raise InputError(f"{task}: {error}") from None
+    _check(chosen, task)
     write("nothing is wrong with this task\n")
+
+
+def _check(task: Task, given: str) -> None:
+    """Try a task out.
+
+    Args:
+        task: that is tried.
+        given: its id or file, for the message.
+
+    Raises:
+        InputError: something is wrong with it.
+    """
+    from robomore.errors import InputError
+    from robomore.testing.tasks import check_task
+
+    try:
+        check_task(task)
+    except AssertionError as error:
+        raise InputError(f"{given}: {error}") from None
 
 
 def _tell(read: ReadTask, before: Sequence[str] = ()) -> None:
