@@ -15,6 +15,7 @@ def test_a_robot_that_moves_is_said_to_move(tmp_path: Path, robomore_: Command) 
     said = robomore_("new", write_dog(tmp_path), "--out", tmp_path / "dog")
     assert said.status == 0 and "its base moves freely; its goal is `distance`" in said.words
     task = tmp_path / "dog" / "task.toml"
+    assert "`RR_knee`: at rest -1.8 rad, the middle of its range -2.7 to -0.9" in said.words
     assert "reach = 0.35" in task.read_text(), "servos learn small motions sooner"
     assert "its base moves freely" in robomore_("check-task", task).words
 

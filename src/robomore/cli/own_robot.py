@@ -49,6 +49,7 @@ def new(
     """
     from robomore.importer.proposal import write_proposal
     from robomore.importer.reading import read_robot
+    from robomore.importer.rest import home_notes
     from robomore.importer.task_file import read_task_file
 
     read = read_robot(robot, base)
@@ -56,7 +57,7 @@ def new(
     new_folder(folder)
     file = write_proposal(read, robot, folder, free or (), goal)
     made = read_task_file(file)
-    _tell(made, read.notes)
+    _tell(made, (*read.notes, *home_notes(read)))
     write(f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n")
     _check(made.task, str(file))
     fitness = made.task.goal.name

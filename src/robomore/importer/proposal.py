@@ -16,7 +16,7 @@ from robomore.importer.feet import contact_names
 from robomore.importer.limbs import Link, find_links, groups, kind
 from robomore.importer.motors import ProposedMotors, propose_motors
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
-from robomore.importer.rest import propose_home
+from robomore.importer.rest import Rest, propose_home
 from robomore.importer.strength import strength_of
 from robomore.plain_files import cannot_write
 
@@ -129,7 +129,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
     ]
     if home := propose_home(robot, model):
         lines += ["[home.joints]  # the pose at rest: rad, or m for sliding joints"]
-        lines += [f"{_key(joint)} = {value:g}" for joint, value in home.items()] + [""]
+        lines += [f"{_key(joint)} = {_rest(rest)}" for joint, rest in home.items()] + [""]
     if moves:
         lines += [
             "[health]  # an episode ends early beyond these limits",
@@ -145,6 +145,10 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
     for parameter in _chosen(found, free):
         lines += parameter
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _rest(rest: Rest) -> str:
+    return f"{rest.value:g}" + (f"  # {rest.reason}" if rest.reason else "")
 
 
 def _has_servos(model: mujoco.MjModel, motors: Sequence[MotorGroup]) -> bool:
