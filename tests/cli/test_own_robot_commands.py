@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -81,3 +82,31 @@ def test_the_command_that_new_prints_fits_the_goal(tmp_path: Path, robomore_: Co
     ):
         said = robomore_("new", robot, *options, "--out", tmp_path / f"made{len(objective)}")
         assert said.out.endswith(f"task.toml {objective}\n")
+
+
+def test_a_task_is_called_as_the_file_or_as_it_is_asked(
+    tmp_path: Path, robomore_: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_tripod(tmp_path, STEADY.replace('"tripod"', '"My walker"'))
+    said = robomore_("new", "tripod.xml").words
+    assert "as the file, which calls the robot 'My walker'; give --name for another" in said
+    assert 'id = "tripod"' in (tmp_path / "tripod" / "task.toml").read_text()
+    said = robomore_("new", "tripod.xml", "--name", "My walker").words
+    text = (tmp_path / "my-walker" / "task.toml").read_text()
+    assert 'id = "my-walker"\ntitle = "My Walker"' in text and "--name" not in said
+    taken = robomore_("new", "tripod.xml", "--name", "ant")
+    assert taken.status == 2 and "'ant' is the id of an installed task" in taken.err
+    write_tripod(tmp_path)
+    assert "--name" not in robomore_("new", "tripod.xml", "--out", "again").words
+
+
+def test_a_task_file_that_is_none_is_told_as_what_it_is(
+    tmp_path: Path, robomore_: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("pipe.toml")
+    Path("task.toml").touch()
+    assert "pipe.toml is a named pipe. Name a task file" in robomore_("check-task", "pipe.toml").err
+    said = robomore_("check-task", "tsk.toml").err
+    assert "there is no file tsk.toml. Did you mean 'task.toml'?" in said

@@ -20,6 +20,10 @@ _OBJECTIVES = {"transport-economy": "transport-economy", "target-reached": "fitn
 """What a search compares for a goal of which a quotient by the robot's volume says little."""
 
 
+_UNNAMED = "MuJoCo Model"
+"""What MuJoCo calls a model whose file gives it no name."""
+
+
 def new(
     robot: Path,
     /,
@@ -27,6 +31,7 @@ def new(
     free: Annotated[list[str] | None, Parameter(negative="")] = None,
     goal: Literal["distance", "economy"] | None = None,
     base: Literal["free", "fixed"] | None = None,
+    name: str | None = None,
     out: Path | None = None,
 ) -> None:
     """Make a task from a robot's MJCF or URDF file: a small text file to be edited.
@@ -44,20 +49,27 @@ def new(
     base
         Whether the robot moves freely or is fixed to the world. By default as an MJCF file says; a
         URDF file does not say it, and its robot moves freely.
+    name
+        What the task is called. By default as the robot's file, without its ending.
     out
-        New folder for the task file, the robot and its meshes; by default named after the robot.
+        New folder for the task file, the robot and its meshes; by default called as the task.
     """
-    from robomore.importer.proposal import write_proposal
+    from robomore.importer.proposal import identifier, write_proposal
     from robomore.importer.reading import read_robot
     from robomore.importer.rest import home_notes
     from robomore.importer.task_file import read_task_file
 
     read = read_robot(robot, base)
-    folder = out or Path(robot.stem)
+    folder = out or Path(identifier(name) if name else robot.stem)
     new_folder(folder)
-    file = write_proposal(read, robot, folder, free or (), goal)
+    file = write_proposal(read, robot, folder, free or (), goal, name)
     made = read_task_file(file)
-    _tell(made, (*read.notes, *home_notes(read)))
+    inside = read.spec().modelname
+    called = (
+        f"the task is called as the file, which calls the robot {inside!r}; give --name for another"
+    )
+    alike = name or identifier(inside) in (identifier(_UNNAMED), made.task.id)
+    _tell(made, (*(() if alike else (called,)), *read.notes, *home_notes(read)))
     write(f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n")
     _check(made.task, str(file))
     fitness = made.task.goal.name
