@@ -24,6 +24,8 @@ def path_meant(path: Path) -> str:
     What is meant lies in the same folder and ends alike.
     """
     try:
+        if path.exists():
+            return ""
         names = [one.name for one in path.parent.iterdir() if one.suffix == path.suffix]
     except (OSError, ValueError):
         return ""
