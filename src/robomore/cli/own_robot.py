@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from robomore.cli.completion import TASK
 from robomore.cli.inputs import new_folder
 from robomore.cli.output import write
 
@@ -77,13 +78,13 @@ def new(
     write(f"robomore check-task {file}\nrobomore run {file} --preset smoke{objective}\n")
 
 
-def check_task(task: str, /, *, picture: Path | None = None) -> None:
+def check_task(task: Annotated[str, TASK], /, *, picture: Path | None = None) -> None:
     """Say how a task was understood, and what is wrong with it, before anything trains.
 
     Parameters
     ----------
     task
-        A task file (.toml), or the id of an installed task.
+        Path of a task file (.toml), or the id of an installed task.
     picture
         Draw the robot into this file (.svg or .png), with what is free in colour and numbered.
     """

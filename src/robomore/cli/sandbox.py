@@ -66,7 +66,7 @@ def check_reward(
     Parameters
     ----------
     task
-        Id of the task that the reward is for.
+        Id of the task that the reward is for, or the path of its task file (.toml).
     file
         A Python file that defines `_get_rew(self, x_velocity, action)`, or `reference` for the
         task's own reward.
