@@ -111,7 +111,7 @@ def _steadied(task: Task, error: UnstableSimulation) -> str:
         "`robomore new` writes, there are other remedies: give its joints armature and damping "
         '(<default><joint armature="0.01" damping="0.2"/></default>, for '
         f'example), or a smaller time step (<option timestep="{step / 2:g}"/>; it is {step:g} s '
-        "now), or weaker motors (a smaller kp or gear)"
+        "now), or, if its motors are stronger than it needs, weaker ones (a smaller kp or gear)"
     )
 
 
