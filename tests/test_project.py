@@ -152,3 +152,15 @@ def test_the_example_task_is_a_sound_robot(monkeypatch: pytest.MonkeyPatch) -> N
     # Of MuJoCo's default density, so that volume and template check each other.
     assert facts["mass"] == pytest.approx(1000 * facts["volume"])
     assert eel.rules[0].violation({"head_radius": 0.1, "tail_radius": 0.2})
+
+
+def test_who_lacks_a_package_is_told_the_extra_that_has_it() -> None:
+    """An extra has the versions that fit, and all that is needed with them."""
+    extras = PROJECT["project"]["optional-dependencies"]
+    packages = {plain(one) for each in extras.values() for one in each}
+    # Texts are broken over lines.
+    said = re.compile(r"pip install (?:\s|['\"])*(robomore\[(\w+)\]|[\w-]+)")
+    for path in sorted((ROOT / "src").rglob("*.py")):
+        for found in said.finditer(path.read_text()):
+            assert plain(found[1]) not in packages, f"{path.name}: name the extra, not {found[1]}"
+            assert found[2] is None or found[2] in extras, f"{path.name}: {found[1]}"

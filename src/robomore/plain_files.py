@@ -56,6 +56,21 @@ def cannot_write(path: Path, error: OSError, remedy: str) -> InputError:
     return InputError(f"cannot write {path} ({error.strerror or error}); {remedy}")
 
 
+def what_stands_at(path: Path) -> str | None:
+    """Return what a path, which may go through links, leads to: `a file`, `a folder`, `a named
+    pipe`, …; `None` if there is nothing.
+    """
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError, ValueError):  # of a name that no file can have
+        return None
+    except OSError as error:
+        return f"out of reach ({error.strerror})"
+    if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
+        return "a file" if stat.S_ISREG(mode) else "a folder"
+    return next((words for test, words in _KINDS if test(mode)), "no plain file")
+
+
 PARTIAL = re.compile(r"\..+-[0-9a-f]{8}\.partial")
 """Names of files that are being written, see `PlainFolder.write`."""
 

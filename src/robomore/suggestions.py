@@ -6,6 +6,7 @@ import builtins
 import traceback
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
+from pathlib import Path
 from types import ModuleType, TracebackType
 
 from robomore.errors import InputError
@@ -15,6 +16,21 @@ def did_you_mean(name: object, known: Iterable[str]) -> str:
     """Return ` Did you mean 'ant'?` for the name in `known` that is like `name`, or no text."""
     near = get_close_matches(str(name), list(known), n=1)
     return f" Did you mean {near[0]!r}?" if near else ""
+
+
+def path_meant(path: Path) -> str:
+    """Return ` Did you mean 'runs/ant'?` for a path to nothing, or no text.
+
+    What is meant lies in the same folder and ends alike.
+    """
+    try:
+        if path.exists():
+            return ""
+        names = [one.name for one in path.parent.iterdir() if one.suffix == path.suffix]
+    except (OSError, ValueError):
+        return ""
+    near = get_close_matches(path.name, names, n=1)
+    return f" Did you mean {str(path.parent / near[0])!r}?" if near else ""
 
 
 def no_such(kind: str, name: object, known: Iterable[str]) -> InputError:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import importlib
 import logging
 import os
+import re
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib.metadata import EntryPoint
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -123,7 +126,10 @@ def files(tmp_path: Path, finished: Path) -> dict[str, Path]:
         ("evaluate swimmer --out FINISHED", "is not empty"),
         ("evaluate swimmer --out BEHINDFILE", "cannot write"),
         ("show EMPTY", "not a run folder"),
-        ("report MISSING", "not a run folder"),
+        ("report MISSING", "there is no folder"),
+        ("audit MISSING", "there is no folder"),
+        ("serve MISSING", "there is no folder"),
+        ("play SHORT", "short.json is a file; name a folder that"),
         ("report FINISHED --out EMPTY/no/page.html", "cannot write"),
         ("play EMPTY", "neither a run folder nor a design"),
         ("play NOPOLICY", "train it: robomore evaluate swimmer"),
@@ -259,6 +265,40 @@ def test_every_command_says_what_it_does(robomore_: Command, name: str) -> None:
     assert said.status == 0 and f"robomore {name}" in said.out
     listed = next(line for line in robomore_("--help").out.splitlines() if f" {name} " in line)
     assert COMMANDS[name][1] in listed, "its line of help fits one line"
+
+
+def paragraphs(text: str) -> Iterator[list[str]]:
+    """Yield the lines of each text in a help at 80 columns, without boxes and names of options."""
+    found: list[str] = []
+    for line in text.splitlines():
+        inside = line.strip("│ ")
+        column = re.match(r"│(?: \*)? {1,4}[\w-][^│]*?  +(?=\S)", line)
+        if not inside or line[0] in "╭╰" or column:
+            yield found
+            found = []
+        found += [line[column.end() :].strip("│ ")] if column else [inside] if inside else []
+    yield found
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_lines_of_a_help_are_full(
+    robomore_: Command, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    said = robomore_(name, "--help").out
+    assert said.startswith(f"Usage: robomore {name}")
+    assert max(map(len, said.splitlines())) <= 80
+    for lines in paragraphs(said):
+        widest = max(map(len, lines), default=0)
+        for line, after in pairwise(lines):
+            word = after.split()[0]
+            assert len(line) + 1 + len(word) > widest, f"{line!r} has room for {word!r}"
+
+
+def test_each_command_that_takes_a_task_takes_its_file(robomore_: Command) -> None:
+    for name in ("run", "inspect", "evaluate", "prompt", "check-reward", "check-task", "study"):
+        said = " ".join(robomore_(name, "--help").out.replace("│", " ").split())
+        assert re.search(r"path of (a|its) task file \(\.toml\)|paths of task files", said, re.I)
 
 
 def test_words_that_people_did_not_understand_are_gone(robomore_: Command) -> None:

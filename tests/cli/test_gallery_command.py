@@ -32,4 +32,4 @@ def test_what_cannot_be_used_is_refused(copied: Path, tmp_path: Path, robomore_:
     assert "no run was named" in robomore_("gallery", "--out", tmp_path / "g").err
     said = robomore_("show", copied / "champion", "--reference")
     assert said.status == 2 and "is no run" in said.err
-    assert "is not a run folder" in robomore_("show", tmp_path / "empty").err
+    assert "there is no folder" in robomore_("show", tmp_path / "empty").err

@@ -319,7 +319,7 @@ def test_a_replay_that_goes_further_than_the_recording_does_without(
         (("--designer", "llm", "--model", "toy"), "not PROVIDER:NAME"),
         (("--designer", "llm", "--model", "openai:some"), "OPENAI_API_KEY is not set"),
         (("--designer", "replay"), "--from RUN"),
-        (("--designer", "replay", "--from", "nowhere"), "not a run folder"),
+        (("--designer", "replay", "--from", "nowhere"), "there is no folder"),
         (("--model", "openai:some"), "add --designer llm"),
         (("--by", "slot"), "add --designer replay"),
         (("--designer", "llm", "--model", "a:b", "--price", "5"), "--price 5 is not IN,OUT"),

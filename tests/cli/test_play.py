@@ -44,6 +44,8 @@ def test_a_video_lies_in_the_runs_folder_and_says_what_opengl_needs(
     monkeypatch.setattr(video, "_THIN", 0)  # whatever the search has found
     copy = tmp_path / "copy"
     shutil.copytree(trained_run, copy)
+    refused = robomore_("play", copy, "--out", tmp_path / "a.mp4")
+    assert refused.status == 2 and 'pip install "robomore[video]"' in refused.err
     said = robomore_("play", copy, "--beside", "--seconds", "1")
     assert said.status == 0, said.err
     assert "libosmesa6" in said.err and "Traceback" not in said.err

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cli.commands import Command
 from robomore.cli.app import main
 from robomore.sandbox.restrictions import REQUIRED
 
@@ -68,3 +69,15 @@ def test_what_only_a_try_shows_is_an_error_with_its_line(
 def test_a_missing_file_is_misuse(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check-reward", "ant", "nowhere.py"]) == 2
     assert "nowhere.py cannot be read" in capsys.readouterr().err
+
+
+def test_a_task_s_own_reward_is_checked_by_its_name(
+    robomore_: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    said = robomore_("check-reward", "swimmer", "reference")
+    assert said.status == 0 and "600 calls" in said.words and "forward" in said.words, said
+    Path("reward.py").touch()
+    missing = robomore_("check-reward", "swimmer", "rewrd.py").err
+    assert "(No such file or directory. Did you mean 'reward.py'?)" in missing
+    assert "name a Python file, or `reference` for the task's own reward" in missing

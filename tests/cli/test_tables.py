@@ -63,12 +63,12 @@ def test_export_writes_every_evaluation(robomore_: Command, finished: Path, tmp_
     ("words", "expected"),
     [
         (("compare",), "which runs?"),
-        (("compare", "RUN", "nowhere"), "nowhere is not a run folder"),
+        (("compare", "RUN", "nowhere"), "there is no folder nowhere; name a folder that"),
         (("compare", "RUN", "--csv", "nowhere/a.csv"), "cannot write nowhere/a.csv"),
         (("export", "RUN"), "--csv FILE"),
         (("export", "RUN", "--csv", "a", "--parquet", "b"), "--parquet FILE"),
         (("export", "RUN", "--csv", "nowhere/a.csv"), "cannot write nowhere/a.csv"),
-        (("export", "nowhere", "--csv", "a.csv"), "nowhere is not a run folder"),
+        (("export", "nowhere", "--csv", "a.csv"), "there is no folder nowhere; name a folder that"),
     ],
 )
 def test_mistakes_are_one_line(

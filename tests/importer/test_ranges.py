@@ -10,7 +10,9 @@ from dog import DOG, write_dog
 from robomore.errors import InputError
 from robomore.importer.proposal import write_proposal
 from robomore.importer.reading import read_robot
+from robomore.importer.rest import home_notes
 from robomore.importer.task_file import read_task_file
+from tripod import STEADY, write_tripod
 
 INSIDE = "0.8 -1.6"
 
@@ -83,3 +85,31 @@ def test_a_range_in_degrees_that_ends_between_six_digits_is_no_fault(tmp_path: P
     file.write_text(file.read_text().replace("FL_knee = -2.0944", "FL_knee = -2.2"))
     with pytest.raises(InputError, match=r"FL_knee = -2.2, which is outside .* rad; give a number"):
         read_task_file(file)
+
+
+def test_a_servo_without_a_range_is_told_the_range_of_its_joint(tmp_path: Path) -> None:
+    def notes(text: str) -> list[str]:
+        robot = write_tripod(tmp_path, text)
+        file = write_proposal(read_robot(robot), robot, tmp_path / "task")
+        return [note for note in read_task_file(file).notes if "control" in note]
+
+    (note,) = notes(STEADY)
+    assert "servos without a ctrlrange take controls from -1 to 1" in note
+    assert "`L_knee`, `R_knee`, `B_knee`: actions -1, 0, 1 are the controls -0.35, 0, 0.35" in note
+    assert 'give it ctrlrange="-2.2 -0.4" or inheritrange="1"' in note
+    assert "rest pose" not in note and "_hip" not in note, "hips have the range -1 to 1"
+    (note,) = notes(STEADY.replace('kp="30"', 'kp="30" gear="-2"'))
+    assert 'give it ctrlrange="0.8 4.4"' in note and "inheritrange" not in note
+    for cure in ('inheritrange="1"', 'ctrlrange="-2.2 -0.4"'):
+        assert not notes(STEADY.replace('_knee" kp="30"', f'_knee" kp="30" {cure}'))
+
+
+def test_a_pose_that_was_chosen_is_told_with_the_range(tmp_path: Path) -> None:
+    robot = read_robot(write_tripod(tmp_path))
+    knees, hips = home_notes(robot)
+    assert knees.startswith("`L_knee`, `R_knee`, `B_knee`: at rest -1.3 rad, the middle of its")
+    assert "range -2.2 to -0.4, which leaves out 0" in knees
+    assert hips.startswith("`L_hip`, `R_hip`, `B_hip`: at rest 0.65 rad") and "-1 to 1" in hips
+    file = write_proposal(robot, tmp_path / "tripod.xml", tmp_path / "task")
+    assert "R_knee = -1.3  # the middle of its range -2.2 to -0.4" in file.read_text()
+    assert not home_notes(read_robot(keyed(tmp_path, INSIDE))), "the keyframe said it"

@@ -136,6 +136,17 @@ def test_a_newer_manifest_is_refused(tmp_path: Path) -> None:
 def test_a_folder_without_a_run_is_named(tmp_path: Path) -> None:
     with pytest.raises(RunFolderError, match="not a run folder"):
         RunFolder.existing(tmp_path)
+    (tmp_path / "ant-1").mkdir()
+    (tmp_path / "hopper-1").touch()
+    (tmp_path / "link").symlink_to("ant-1")
+    for name, said in {
+        "ant-2": r"no folder .*ant-2\. Did you mean '.*/ant-1'\? Name a folder that",
+        "swimmer": r"no folder .*swimmer; name a folder that",
+        "hopper-1": r"hopper-1 is a file; name a folder that",
+        "link": r"link is not a run folder",
+    }.items():
+        with pytest.raises(RunFolderError, match=said):
+            RunFolder.existing(tmp_path / name)
 
 
 def test_a_plan_too_large_to_be_drawn_is_refused(tmp_path: Path) -> None:

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from robomore.importer.proposal import write_proposal
+from robomore.importer.reading import read_robot
+from robomore.importer.task_file import read_task
 from robomore.tasks import Parameter, Task, get_task
+from robomore.testing import tasks as module
 from robomore.testing.tasks import check_task
+from tripod import TRIPOD, write_tripod
 
 SWIMMER = get_task("swimmer")
 
@@ -54,3 +60,16 @@ def first(**changes: Any) -> Task:
 def test_each_fault_is_found(task: Task, said: str) -> None:
     with pytest.raises(Exception, match=said):
         check_task(task)
+
+
+def test_a_robot_beside_the_reference_that_diverges_is_named_with_the_same_remedies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    source = write_tripod(tmp_path, TRIPOD)
+    task = read_task(write_proposal(read_robot(source), source, tmp_path / "made"))
+    monkeypatch.setattr(module, "try_out", lambda task, parameters: None)
+    said = r"the robot with thigh_length = 0\.\d+, .*: The physics diverged .*motors\. .* armature"
+    with pytest.raises(AssertionError, match=said):
+        check_task(task)
+    assert not (tmp_path / "MUJOCO_LOG.TXT").exists()

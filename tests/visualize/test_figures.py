@@ -180,5 +180,5 @@ def test_without_matplotlib_the_remedy_is_named(run: Run, monkeypatch: pytest.Mo
 
     monkeypatch.setattr(importlib, "import_module", without)
     for draw in (heatmap, best_so_far, fitness_over_volume, pairs, parameters, learning_curve):
-        with pytest.raises(InputError, match="pip install matplotlib"):
+        with pytest.raises(InputError, match=r'pip install "robomore\[plot\]"'):
             draw(run)

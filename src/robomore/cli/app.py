@@ -15,6 +15,7 @@ from types import FrameType
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from robomore import __version__
+from robomore.cli.flowing_help import FlowingHelp
 from robomore.cli.output import tell
 from robomore.errors import InputError, Interrupted, RoboMoReError
 
@@ -64,6 +65,7 @@ def application(used: str = "") -> App:
         version_flags=["--version", "-V"],
         # Markdown would be rendered by a library that takes longer to load than all else.
         help_format="plaintext",
+        help_formatter=FlowingHelp(),
         # `main` says how a command that is stopped ends.
         suppress_keyboard_interrupt=False,
     )

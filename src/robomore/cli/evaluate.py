@@ -48,7 +48,7 @@ def evaluate(
     Parameters
     ----------
     task
-        Id of a task (`robomore tasks` lists them).
+        Id of a task (`robomore tasks` lists them), or the path of a task file (.toml).
     parameters
         `reference`, or a JSON file: a list in the task's order, or an object by name.
     reward

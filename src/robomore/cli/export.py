@@ -31,7 +31,11 @@ def export(
     csv: Annotated[Path | None, Parameter(allow_leading_hyphen=True, group=_TABLE)] = None,
     parquet: Annotated[Path | None, Parameter(group=_TABLE)] = None,
     scale: Annotated[float, Parameter(group=_PRINT)] = 1.0,
-    bed: Annotated[tuple[float, float, float], Parameter(group=_PRINT)] = (256.0, 256.0, 256.0),
+    bed: Annotated[tuple[float, float, float], Parameter(group=_PRINT, negative="")] = (
+        256.0,
+        256.0,
+        256.0,
+    ),
     wall: Annotated[float, Parameter(group=_PRINT)] = 1.2,
     gap: Annotated[float, Parameter(group=_PRINT)] = 0.4,
 ) -> None:

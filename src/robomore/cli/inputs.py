@@ -13,6 +13,7 @@ from robomore.errors import InputError, InvalidMorphology, InvalidReward
 from robomore.plain_files import cannot_write
 from robomore.rewards.check import why_unparsed
 from robomore.search.named_starts import NAMED_STARTS, named_start
+from robomore.suggestions import path_meant
 from robomore.tasks import Task
 from robomore.types import Morphology, Reward, Start
 
@@ -115,9 +116,9 @@ def read_start(task: Task, given: str) -> Start:
     if path.suffix == ".json":
         return Start(given, Morphology(read_parameters(task, given)))
     raise InputError(
-        f"--start-from {given} is nothing to start from; name a .json file with parameters, a .py "
-        "file with a reward, the folder of a run, a folder with design.json and reward.py, or "
-        f"write {' or '.join(NAMED_STARTS)}"
+        f"--start-from {given} is nothing to start from.{path_meant(path)} Name a .json file with "
+        "parameters, a .py file with a reward, the folder of a run, a folder with design.json and "
+        f"reward.py, or write {' or '.join(NAMED_STARTS)}"
     )
 
 
@@ -185,7 +186,8 @@ def read_text(path: Path, remedy: str) -> str:
             raise InputError(f"{path} has more than {_MOST_BYTES:,} bytes; {remedy}")
         return content.decode("utf-8-sig")
     except OSError as error:
-        raise InputError(f"{path} cannot be read ({error.strerror}); {remedy}") from None
+        why = f"{error.strerror}.{path_meant(path)}".rstrip(".")
+        raise InputError(f"{path} cannot be read ({why}); {remedy}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path} is no text in UTF-8; save it as such, or {remedy}") from None
 

@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from robomore.cli.completion import TASK
 from robomore.cli.inputs import new_folder
 from robomore.cli.output import write
 
 if TYPE_CHECKING:
     from robomore.importer.task_file import ReadTask
     from robomore.tasks import Task
+
+
+_OBJECTIVES = {"transport-economy": "transport-economy", "target-reached": "fitness"}
+"""What a search compares for a goal of which a quotient by the robot's volume says little."""
+
+
+_UNNAMED = "MuJoCo Model"
+"""What MuJoCo calls a model whose file gives it no name."""
 
 
 def new(
@@ -23,6 +32,7 @@ def new(
     free: Annotated[list[str] | None, Parameter(negative="")] = None,
     goal: Literal["distance", "economy"] | None = None,
     base: Literal["free", "fixed"] | None = None,
+    name: str | None = None,
     out: Path | None = None,
 ) -> None:
     """Make a task from a robot's MJCF or URDF file: a small text file to be edited.
@@ -40,42 +50,49 @@ def new(
     base
         Whether the robot moves freely or is fixed to the world. By default as an MJCF file says; a
         URDF file does not say it, and its robot moves freely.
+    name
+        What the task is called. By default as the robot's file, without its ending.
     out
-        New folder for the task file, the robot and its meshes; by default named after the robot.
+        New folder for the task file, the robot and its meshes; by default called as the task.
     """
-    from robomore.importer.proposal import write_proposal
+    from robomore.importer.proposal import identifier, write_proposal
     from robomore.importer.reading import read_robot
+    from robomore.importer.rest import home_notes
     from robomore.importer.task_file import read_task_file
 
     read = read_robot(robot, base)
-    folder = out or Path(robot.stem)
+    folder = out or Path(identifier(name) if name else robot.stem)
     new_folder(folder)
-    file = write_proposal(read, robot, folder, free or (), goal)
-    _tell(read_task_file(file), read.notes)
-    write(
-        f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n"
-        f"robomore check-task {file}\n"
-        f"robomore run {file} --preset smoke\n"
+    file = write_proposal(read, robot, folder, free or (), goal, name)
+    made = read_task_file(file)
+    inside = read.spec().modelname
+    called = (
+        f"the task is called as the file, which calls the robot {inside!r}; give --name for another"
     )
+    alike = name or identifier(inside) in (identifier(_UNNAMED), made.task.id)
+    _tell(made, (*(() if alike else (called,)), *read.notes, *home_notes(read)))
+    write(f"\n{file} is yours to edit: what the robot is to do, what is free, how it rests.\n")
+    _check(made.task, str(file))
+    fitness = made.task.goal.name
+    objective = f" --objective {_OBJECTIVES[fitness]}" if fitness in _OBJECTIVES else ""
+    write(f"robomore check-task {file}\nrobomore run {file} --preset smoke{objective}\n")
 
 
-def check_task(task: str, /, *, picture: Path | None = None) -> None:
+def check_task(task: Annotated[str, TASK], /, *, picture: Path | None = None) -> None:
     """Say how a task was understood, and what is wrong with it, before anything trains.
 
     Parameters
     ----------
     task
-        A task file (.toml), or the id of an installed task.
+        Path of a task file (.toml), or the id of an installed task.
     picture
         Draw the robot into this file (.svg or .png), with what is free in colour and numbered.
     """
-    from robomore.errors import InputError
     from robomore.importer.task_file import read_task_file
     from robomore.rendering.marks import draw_free
     from robomore.rendering.pictures import save_picture
     from robomore.tasks import get_task
     from robomore.tasks.registry import SUFFIX
-    from robomore.testing.tasks import check_task as check
 
     if task.endswith(SUFFIX):
         _tell(read_task_file(Path(task)))
@@ -84,11 +101,27 @@ def check_task(task: str, /, *, picture: Path | None = None) -> None:
     if picture is not None:
         save_picture(draw_free(chosen), picture, chosen.title)
         write(f"picture: {picture}\n")
-    try:
-        check(chosen)
-    except AssertionError as error:
-        raise InputError(f"{task}: {error}") from None
+    _check(chosen, task)
     write("nothing is wrong with this task\n")
+
+
+def _check(task: Task, given: str) -> None:
+    """Try a task out.
+
+    Args:
+        task: that is tried.
+        given: its id or file, for the message.
+
+    Raises:
+        InputError: something is wrong with it.
+    """
+    from robomore.errors import InputError
+    from robomore.testing.tasks import check_task
+
+    try:
+        check_task(task)
+    except AssertionError as error:
+        raise InputError(f"{given}: {error}") from None
 
 
 def _tell(read: ReadTask, before: Sequence[str] = ()) -> None:

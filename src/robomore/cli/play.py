@@ -43,7 +43,7 @@ def play(
         Show the reference design below it, both at one clock and one scale. This is always a
         video.
     out
-        Write a video into this file (.mp4 needs imageio-ffmpeg; .webp and .gif work anywhere)
+        Write a video into this file (.webp, .gif, or .mp4 with `pip install "robomore[video]"`)
         instead of opening a window. Where no window can be opened, a video is written into the
         folder of the run or of the design.
     seconds

@@ -39,7 +39,7 @@ def prompt(
     Parameters
     ----------
     task
-        Id of a task (`robomore tasks` lists them).
+        Id of a task (`robomore tasks` lists them), or the path of a task file (.toml).
     kind
         What is asked for.
     source

@@ -44,7 +44,7 @@ def run(
     Parameters
     ----------
     task
-        Id of a task (`robomore tasks` lists them).
+        Id of a task (`robomore tasks` lists them), or the path of a task file (.toml).
     seed
         Seed of the run. The same seed gives the same result with any number of workers.
     designer

@@ -51,7 +51,7 @@ def doctor(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False
 
 def check_reward(
     task: Annotated[str, TASK],
-    file: Path,
+    file: str,
     /,
     *,
     containment: Literal["strict", "relaxed"] | None = None,
@@ -66,9 +66,10 @@ def check_reward(
     Parameters
     ----------
     task
-        Id of the task that the reward is for.
+        Id of the task that the reward is for, or the path of its task file (.toml).
     file
-        A Python file that defines `_get_rew(self, x_velocity, action)`.
+        A Python file that defines `_get_rew(self, x_velocity, action)`, or `reference` for the
+        task's own reward.
     containment
         `strict` does not try the reward out where the machine lacks a sandbox layer, `relaxed` uses
         the layers that are there. Default: `strict`.
@@ -78,14 +79,15 @@ def check_reward(
     from dataclasses import asdict
     from tempfile import TemporaryDirectory
 
-    from robomore.cli.inputs import read_text
+    from robomore.cli.inputs import REFERENCE, read_text
     from robomore.experiment.containing import choose_containment
     from robomore.rewards.check import check_reward as findings_of
     from robomore.rewards.dry_run import DryRun, DryRunResult
     from robomore.tasks import get_task
 
     chosen = get_task(task)
-    source = read_text(file, "name a Python file")
+    remedy = f"name a Python file, or `{REFERENCE}` for the task's own reward"
+    source = chosen.reward if file == REFERENCE else read_text(Path(file), remedy)
     findings = findings_of(source)
     result = DryRunResult([])
     if not any(finding.severity == "error" for finding in findings):

@@ -23,8 +23,9 @@ def serve(folder: Path = Path("runs"), /, *, host: str = "127.0.0.1", port: int 
     port
         Port to listen on; 0 for any that is free.
     """
-    if not folder.is_dir():
-        raise InputError(f"{folder} is no folder; name one that `robomore run` wrote runs into")
+    from robomore.store import refuse_no_folder
+
+    refuse_no_folder(folder, "one that `robomore run` wrote runs into")
     if not 0 <= port <= 65535:
         raise InputError(f"--port is {port}; give a number from 0 to 65535")
     try:

@@ -44,7 +44,7 @@ def study(
     name
         Name of a study.
     tasks
-        Ids of tasks; by default those of the study.
+        Ids of tasks, or paths of task files (.toml); by default those of the study.
     preset
         How large the runs are: `smoke`, `quick`, `standard` or `paper`.
     seeds

@@ -59,7 +59,7 @@ def inspect(
     Parameters
     ----------
     task
-        Id of a task (`robomore tasks` lists them).
+        Id of a task (`robomore tasks` lists them), or the path of a task file (.toml).
     parameters
         `reference`, or a JSON file: a list in the task's order, or an object by name.
     mjcf

@@ -14,7 +14,7 @@ from robomore.runs import Run, TrainedDesign, load_run
 from robomore.runs.lineage import best_of
 from robomore.runs.loading import stored_task
 from robomore.runs.words import number
-from robomore.store import RunFolder
+from robomore.store import RunFolder, refuse_no_folder
 from robomore.store.champion import check_sums
 from robomore.tasks import Task
 from robomore.training.policy import POLICY, MLPPolicy
@@ -71,6 +71,8 @@ def find_policies(
     """
     if path.name == "design.json":
         path = path.parent
+    remedy = "a folder that `robomore run` or `robomore evaluate --out` wrote"
+    refuse_no_folder(path, remedy)
     if RunFolder(path).manifest.is_file():
         return _from_run(load_run(path), evaluation, reference, beside)
     if evaluation or reference or beside:
@@ -80,8 +82,8 @@ def find_policies(
         )
     if not (path / "design.json").is_file():
         raise InputError(
-            f"{path} is neither a run folder nor a design (no run.json, no design.json); name a "
-            "folder that `robomore run` or `robomore evaluate --out` wrote"
+            f"{path} is neither a run folder nor a design (no run.json, no design.json); name "
+            f"{remedy}"
         )
     return [_from_design(path)]
 

@@ -7,7 +7,8 @@ does first.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import mujoco
 import numpy as np
@@ -44,11 +45,17 @@ def try_out(task: Task, parameters: Sequence[float]) -> None:
     """
     env = VectorEnv(task, parameters, NUM_ENVS)
     _check_starts(task, env)
+    with silent_mujoco():
+        _drive(env)
+
+
+@contextmanager
+def silent_mujoco() -> Iterator[None]:
+    """Keep MuJoCo from printing each divergence, and from writing it to a file in this folder."""
     former = mujoco.get_mju_user_warning()
-    # MuJoCo would print each divergence, and write it into a file in the folder where one works.
     mujoco.set_mju_user_warning(lambda text: None)
     try:
-        _drive(env)
+        yield
     finally:
         mujoco.set_mju_user_warning(former)
 

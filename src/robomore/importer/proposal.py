@@ -16,9 +16,10 @@ from robomore.importer.feet import contact_names
 from robomore.importer.limbs import Link, find_links, groups, kind
 from robomore.importer.motors import ProposedMotors, propose_motors
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
-from robomore.importer.rest import propose_home
+from robomore.importer.rest import Rest, propose_home
 from robomore.importer.strength import strength_of
 from robomore.plain_files import cannot_write
+from robomore.tasks.registry import TASKS
 
 Goal = Literal["distance", "economy"]
 """What a robot that moves freely is to do: to get far, or with little energy."""
@@ -68,7 +69,12 @@ _REACHING = '''def _get_rew(self, x_velocity, action):
 
 
 def write_proposal(
-    robot: Robot, source: Path, out: Path, free: Sequence[str] = (), goal: Goal | None = None
+    robot: Robot,
+    source: Path,
+    out: Path,
+    free: Sequence[str] = (),
+    goal: Goal | None = None,
+    name: str | None = None,
 ) -> Path:
     """Write a task file, the robot and its meshes into a new folder; returns the task file.
 
@@ -79,12 +85,13 @@ def write_proposal(
         free: patterns of the parameters or groups of links that are to be free; by default the
             length and thickness of the longest links.
         goal: what the robot is to do; by default to get far, or to reach a target if it is fixed.
+        name: of the task; by default that of the source.
 
     Raises:
-        InputError: a pattern fits nothing, the robot is fixed and cannot have that goal, or the
-            folder cannot be written.
+        InputError: a pattern fits nothing, the robot is fixed and cannot have that goal, an
+            installed task has that name, or the folder cannot be written.
     """
-    text = proposal(robot, source.stem, free, goal)
+    text = proposal(robot, name or source.stem, free, goal)
     try:
         out.mkdir(parents=True, exist_ok=True)
         for name, data in robot.assets.items():
@@ -98,6 +105,8 @@ def write_proposal(
 
 def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | None = None) -> str:
     """Return the text of a task file for a robot; see `write_proposal`."""
+    if (id := identifier(name)) in TASKS:
+        raise InputError(f"{id!r} is the id of an installed task; give another one with --name")
     model = robot.spec().compile()
     proposed = propose_motors(model)
     motors = [one.group for one in proposed]
@@ -112,7 +121,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         "# A task of RoboMoRe, made from a robot's file. Edit it as you like;",
         "# `robomore check-task` says what is wrong with it and how it was understood.",
         *(f"# Note: {note}." for note in robot.notes[:_MOST_NOTES]),
-        f"id = {_text(_identifier(name))}",
+        f"id = {_text(id)}",
         f"title = {_text(name.replace('_', ' ').replace('-', ' ').title())}",
         f'description = """{_description(model, moves, goal)}"""',
         f"robot = {_text(ROBOT_FILE)}",
@@ -129,7 +138,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
     ]
     if home := propose_home(robot, model):
         lines += ["[home.joints]  # the pose at rest: rad, or m for sliding joints"]
-        lines += [f"{_key(joint)} = {value:g}" for joint, value in home.items()] + [""]
+        lines += [f"{_key(joint)} = {_rest(rest)}" for joint, rest in home.items()] + [""]
     if moves:
         lines += [
             "[health]  # an episode ends early beyond these limits",
@@ -145,6 +154,10 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
     for parameter in _chosen(found, free):
         lines += parameter
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _rest(rest: Rest) -> str:
+    return f"{rest.value:g}" + (f"  # {rest.reason}" if rest.reason else "")
 
 
 def _has_servos(model: mujoco.MjModel, motors: Sequence[MotorGroup]) -> bool:
@@ -289,7 +302,8 @@ def _names(group: Sequence[Link]) -> list[str]:
     return [link.name for link in group]
 
 
-def _identifier(name: str) -> str:
+def identifier(name: str) -> str:
+    """Return the id of a task that is called so."""
     return "".join(one if one.isalnum() else "-" for one in name.lower()).strip("-") or "robot"
 
 

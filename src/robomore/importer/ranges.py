@@ -62,11 +62,15 @@ def one_sided(model: mujoco.MjModel, qpos: NDArray[np.float64], reach: float) ->
     """
     control = ControlMap(model, qpos, reach)
     least, middle, most = (control.controls(np.full(model.nu, at)) for at in (-1.0, 0.0, 1.0))
+    moved = list(zip(least, middle, most, strict=True))
     centred: dict[str, list[str]] = {}
     leaning: dict[str, list[str]] = {}
+    unlimited = _without_range(model)
     for motor in range(model.nu):
+        if motor in unlimited:
+            continue
         name, rest = model.actuator(motor).name, round(control.holding[motor], 6) + 0.0  # no -0
-        low, zero, high = least[motor], middle[motor], most[motor]
+        low, zero, high = moved[motor]
         span = f"actions -1, 0, 1 are the controls {low:.3g}, {zero:.3g}, {high:.3g}"
         if control.centred[motor]:
             lacking = "" if low <= rest <= high else ", so none of them holds the rest pose"
@@ -74,7 +78,7 @@ def one_sided(model: mujoco.MjModel, qpos: NDArray[np.float64], reach: float) ->
         elif min(zero - low, high - zero) < _NEAR * (high - low):
             leaning.setdefault(span, []).append(name)
     remedy = "choose a rest pose further inside in [home.joints]"
-    notes = []
+    notes = _unranged(model, unlimited, [f"{a:.3g}, {b:.3g}, {c:.3g}" for a, b, c in moved])
     if centred:
         wider = f", or a reach above {reach:g}" if reach < 1 else ""
         notes.append(
@@ -87,6 +91,57 @@ def one_sided(model: mujoco.MjModel, qpos: NDArray[np.float64], reach: float) ->
             f"side only: {_some(leaning)}; {remedy}"
         )
     return notes
+
+
+def _without_range(model: mujoco.MjModel) -> dict[int, list[float]]:
+    """Return the ends of what a servo should be given, of each that has no range of controls.
+
+    They are those of its joint; a servo whose joint has none, or moves from -1 to 1, is left out.
+    """
+    found: dict[int, list[float]] = {}
+    for motor in range(model.nu):
+        joint = int(model.actuator_trnid[motor, 0])
+        held = (
+            model.actuator_biastype[motor] == mujoco.mjtBias.mjBIAS_AFFINE
+            and model.actuator_biasprm[motor, 1] != 0
+            and model.actuator_dyntype[motor] != mujoco.mjtDyn.mjDYN_INTEGRATOR
+            and int(model.actuator_trntype[motor])
+            in (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+        )
+        if not held or model.actuator_ctrllimited[motor] or not model.jnt_limited[joint]:
+            continue
+        gear = float(model.actuator_gear[motor, 0])
+        ends = sorted(float(end) * gear for end in model.jnt_range[joint])
+        if not np.allclose(ends, (-1.0, 1.0)):
+            found[motor] = ends
+    return found
+
+
+def _unranged(
+    model: mujoco.MjModel, servos: Mapping[int, Sequence[float]], moved: Sequence[str]
+) -> list[str]:
+    """Return a note on servos that move from -1 to 1 although their joints have another range.
+
+    Args:
+        model: of the robot.
+        servos: ends of the range of controls that each should have, by motor.
+        moved: controls of the actions -1, 0, 1 of all motors, in words.
+    """
+    told: dict[str, list[str]] = {}
+    for motor, (low, high) in servos.items():
+        # MuJoCo takes over a joint's range as it is, whatever the gear.
+        same = ' or inheritrange="1"' if model.actuator_gear[motor, 0] == 1 else ""
+        said = (
+            f"actions -1, 0, 1 are the controls {moved[motor]}; give it "
+            f'ctrlrange="{low:.6g} {high:.6g}"{same}'
+        )
+        told.setdefault(said, []).append(model.actuator(motor).name)
+    if not told:
+        return []
+    return [
+        "servos without a ctrlrange take controls from -1 to 1, which is not the range of their "
+        f"joints: {_some(told)} in the robot's file"
+    ]
 
 
 def unit_of(model: mujoco.MjModel, joint: str) -> str:

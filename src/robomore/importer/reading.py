@@ -22,6 +22,9 @@ from robomore.importer.first_compile import (
     compile_first,
 )
 from robomore.importer.ranges import within_ranges
+from robomore.importer.xml_faults import xml_fault
+from robomore.plain_files import what_stands_at
+from robomore.suggestions import path_meant
 from robomore.tasks.meshes import MOST_BYTES, check_meshes
 from robomore.tasks.sizes import check_sizes
 
@@ -35,8 +38,8 @@ FLOOR = "floor"
 _MOST_FILE = 16 * 2**20
 """Bytes of a robot's file without what it includes; the largest known has a tenth of it."""
 
-_LONGEST_NAME, _LONGEST_ERROR = 200, 1_000
-"""Characters of a part's name, and of what MuJoCo says."""
+_LONGEST_NAME = 200
+"""Characters of a part's name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +76,9 @@ def read_robot(path: Path, base: str | None = None) -> Robot:
     Raises:
         InputError: the file cannot be read, holds no robot, or one that takes too much to compile.
     """
-    if not path.is_file():
-        raise InputError(f"there is no file {path}; name the robot's MJCF or URDF file")
+    if (found := what_stands_at(path)) != "a file":
+        said = f"{path} is {found}." if found else f"there is no file {path}.{path_meant(path)}"
+        raise InputError(f"{said} Name the robot's MJCF or URDF file")
     try:
         with path.open("rb") as file:
             content = file.read(_MOST_FILE + 1)
@@ -121,8 +125,7 @@ def _read(path: Path, base: str | None) -> Robot:
         check_sizes(path.name, ET.fromstring(text))
         check_amounts(str(path), mujoco.MjSpec.from_string(text, assets=assets).compile())
     except (ValueError, OSError) as error:
-        said = str(error)[:_LONGEST_ERROR]  # it repeats names of files of any length
-        raise InputError(f"{path} is no robot that MuJoCo reads: {said}") from None
+        raise InputError(xml_fault(path, error)) from None
     return Robot(text, assets, home, upright, tuple(notes))
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from robomore.importer.limbs import find_links
+from robomore.importer.ranges import unit_of
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
 
 _TRIES = 121
@@ -16,30 +19,59 @@ _PARALLEL = 0.9
 """Cosine above which two hinges bend a limb in one plane."""
 
 
-def propose_home(robot: Robot, model: mujoco.MjModel) -> dict[str, float]:
-    """Return the angle (rad) or position (m) at rest of the joints that do not rest at 0.
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """Where a joint rests.
+
+    Attributes:
+        value: angle (rad) or position (m).
+        reason: why it was chosen, in words; empty for what the robot's file says.
+    """
+
+    value: float
+    reason: str = ""
+
+
+def home_notes(robot: Robot) -> list[str]:
+    """Return a note on each joint whose rest `propose_home` chose; alike ones share one."""
+    model = robot.spec().compile()
+    alike: dict[str, list[str]] = {}
+    for name, rest in propose_home(robot, model).items():
+        if rest.reason:
+            said = f"at rest {rest.value:g} {unit_of(model, name)}, {rest.reason}"
+            alike.setdefault(said, []).append(name)
+    return [f"{', '.join(f'`{name}`' for name in alike[said])}: {said}" for said in alike]
+
+
+def propose_home(robot: Robot, model: mujoco.MjModel) -> dict[str, Rest]:
+    """Return where the joints rest that do not rest at 0.
 
     A joint whose range leaves out 0, such as a dog's knee, rests in the middle of its range. The
     hinge above it then turns so that the end of the limb comes to lie straight below that hinge.
     """
     if robot.home:
-        return {name: value for name, value in robot.home.items() if value}
+        return {name: Rest(value) for name, value in robot.home.items() if value}
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
-    home: dict[str, float] = {}
+    home: dict[str, Rest] = {}
     bent = []
     for joint in range(model.njnt):
         low, high = (float(limit) for limit in model.jnt_range[joint])
         limited = int(model.jnt_type[joint]) in SIMPLE_JOINTS and model.jnt_limited[joint]
         if limited and not low <= 0.0 <= high:
-            home[model.joint(joint).name] = round((low + high) / 2, 3)
+            reason = f"the middle of its range {low:.4g} to {high:.4g}, which leaves out 0"
+            home[model.joint(joint).name] = Rest(round((low + high) / 2, 3), reason)
             data.qpos[model.jnt_qposadr[joint]] = (low + high) / 2
             bent.append(joint)
     mujoco.mj_kinematics(model, data)
     for joint in bent:
         above = _hinge_above(model, data, joint)
         if above is not None:
-            home[model.joint(above).name] = round(_straighten(model, data, above, joint), 3)
+            angle = round(_straighten(model, data, above, joint), 3)
+            low, high = (float(limit) for limit in model.jnt_range[above])
+            span = f" (range {low:.4g} to {high:.4g})" if model.jnt_limited[above] else ""
+            reason = f"so that the end of the limb lies straight below it{span}"
+            home[model.joint(above).name] = Rest(angle, reason)
     return home
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import math
 import re
 import tomllib
@@ -15,6 +14,8 @@ import msgspec
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, MassMode
 from robomore.importer.table_faults import explain
+from robomore.plain_files import what_stands_at
+from robomore.suggestions import path_meant
 from robomore.tasks.portable import FitnessTerm
 
 _LARGEST = 1e6
@@ -107,10 +108,11 @@ def read_table(path: Path) -> TaskTable:
     Raises:
         InputError: it cannot be read, or a line is missing or has another form.
     """
+    # A pipe would be waited for, and a device may have no end.
+    if (found := what_stands_at(path)) != "a file":
+        said = f"{path} is {found}." if found else f"there is no file {path}.{path_meant(path)}"
+        raise InputError(f"{said} Name a task file; `robomore new ROBOT.xml` writes one")
     try:
-        if not path.is_file():
-            # A pipe would be waited for, and a device may have no end.
-            raise OSError(errno.ENOENT, "there is no such file")
         with path.open("rb") as file:
             text = file.read(_MOST_BYTES + 1).decode("utf-8-sig")
         if len(text) > _MOST_BYTES or _DEEP_KEY.search(text):

@@ -56,7 +56,8 @@ def refuse_format(path: Path) -> None:
     if suffix == ".mp4":
         if not _has_ffmpeg():
             raise InputError(
-                f"{path} needs imageio-ffmpeg (pip install imageio-ffmpeg); or end it in .webp"
+                f"{path} needs an encoder for MP4, which is not installed: pip install "
+                '"robomore[video]"; or end it in .webp'
             )
     elif suffix not in _ANIMATED:
         raise InputError(f"{path} is no video that can be written; end it in .mp4, .webp or .gif")

@@ -9,7 +9,7 @@ from robomore.store.exchanges import LedgerExchanges
 from robomore.store.ledger import Ledger
 from robomore.store.manifest import Manifest, package_versions
 from robomore.store.recovery import open_or_recover
-from robomore.store.rundir import RunFolder
+from robomore.store.rundir import RunFolder, refuse_no_folder
 
 __all__ = [
     "Ledger",
@@ -18,4 +18,5 @@ __all__ = [
     "RunFolder",
     "open_or_recover",
     "package_versions",
+    "refuse_no_folder",
 ]

@@ -7,9 +7,10 @@ from contextlib import suppress
 from pathlib import Path
 
 from robomore.errors import RunFolderError, StorageFailed
-from robomore.plain_files import PARTIAL, PlainFolder
+from robomore.plain_files import PARTIAL, PlainFolder, what_stands_at
 from robomore.store.manifest import Manifest
 from robomore.store.opening import refuse_unsafe
+from robomore.suggestions import path_meant
 
 TASK_CONTENT = "task.json"
 """File that holds a task of a file whole, in a run's folder and beside a design."""
@@ -17,6 +18,23 @@ TASK_CONTENT = "task.json"
 _PROBE_BYTES = 4 * 2**20
 _FOLDERS = {"artifacts": 2, "checkpoints": 2, "scratch": 1, "champion": 1}
 """Folders in a run's folder, and how many levels of each are used."""
+
+
+def refuse_no_folder(path: Path, remedy: str) -> None:
+    """Refuse a path at which there is no folder.
+
+    Args:
+        path: that was given.
+        remedy: which folder to name.
+
+    Raises:
+        RunFolderError: saying what is there, or which name was meant.
+    """
+    found = what_stands_at(path)
+    if found != "a folder":
+        said = f"{path} is {found}" if found else f"there is no folder {path}"
+        hint = path_meant(path)
+        raise RunFolderError(f"{said}.{hint} Name {remedy}" if hint else f"{said}; name {remedy}")
 
 
 class RunFolder:
@@ -64,11 +82,12 @@ class RunFolder:
         Raises:
             RunFolderError: there is none, or something in it is no plain file.
         """
+        remedy = "a folder that `robomore run` wrote"
+        refuse_no_folder(path, remedy)
         folder = cls(path)
         if not folder.files.is_file(folder.manifest.name):
             raise RunFolderError(
-                f"{path} is not a run folder (it has no {folder.manifest.name}); "
-                "name a folder that `robomore run` wrote"
+                f"{path} is not a run folder (it has no {folder.manifest.name}); name {remedy}"
             )
         folder.refuse_links()
         return folder

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robomore.envs.compile import body_facts, compile_model, model_volume
 from robomore.envs.measured_env import MeasuredEnv
 from robomore.envs.reward_text import reward_function
-from robomore.envs.try_out import try_out
+from robomore.envs.try_out import silent_mujoco, try_out
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import (
     FitnessFailed,
@@ -59,13 +60,15 @@ def check_task(task: Task) -> None:
     assert task.volume(reference) > 0, "the reference robot has no volume"
     _check_volume(task)
     assert body_facts(task, reference)["mass"] > 0, "the reference robot has no mass"
-    for seed in range(DRAWS):
-        parameters = drawn(task, seed, deviation=0.1).parameters
-        volume = task.volume(parameters)
-        assert math.isfinite(volume) and volume > 0, f"{parameters} has the volume {volume}"
-        _check_motion(task, parameters, seed)
-    _check_motion(task, reference, DRAWS)
-    _check_episode(task, reference)
+    with silent_mujoco():
+        _check_try(task, reference)
+        for seed in range(DRAWS):
+            parameters = drawn(task, seed, deviation=0.1).parameters
+            volume = task.volume(parameters)
+            assert math.isfinite(volume) and volume > 0, f"{parameters} has the volume {volume}"
+            _check_motion(task, parameters, seed)
+        _check_motion(task, reference, DRAWS)
+        _check_episode(task, reference)
     try:
         check_continuation(task, reference, reward_function(task.reward))
     except (InvalidReward, RewardFailed) as error:
@@ -90,15 +93,30 @@ def _check_volume(task: Task) -> None:
     )
 
 
-def _check_episode(task: Task, parameters: tuple[float, ...]) -> None:
-    """Check that an episode of the reference does not end at once, and has a fitness.
-
-    Its motors are given random actions, and in the end the task says what that is worth.
-    """
+def _check_try(task: Task, parameters: tuple[float, ...]) -> None:
+    """Check that the reference can be simulated, and that its episodes do not end at once."""
     try:
         try_out(task, parameters)
-    except (InvalidMorphology, UnstableSimulation) as error:
+    except InvalidMorphology as error:
         raise AssertionError(f"the reference robot: {error}") from None
+    except UnstableSimulation as error:
+        raise AssertionError(f"the reference robot: {_steadied(task, error)}") from None
+
+
+def _steadied(task: Task, error: UnstableSimulation) -> str:
+    """Return what is said of physics that diverge, with what the robot's file can do about it."""
+    step = float(compile_model(task, task.reference).opt.timestep)
+    return (
+        f"{str(error).rstrip('.')}. In the robot's MJCF, such as the robot.xml that "
+        "`robomore new` writes, there are other remedies: give its joints armature and damping "
+        '(<default><joint armature="0.01" damping="0.2"/></default>, for '
+        f'example), or a smaller time step (<option timestep="{step / 2:g}"/>; it is {step:g} s '
+        "now), or, if its motors are stronger than it needs, weaker ones (a smaller kp or gear)"
+    )
+
+
+def _check_episode(task: Task, parameters: tuple[float, ...]) -> None:
+    """Check that an episode of the reference has a fitness, whose motors get random actions."""
     env = MeasuredEnv(task, parameters, 1)
     random = np.random.default_rng(0)
     env.reset_one(0, 0)
@@ -113,16 +131,25 @@ def _check_episode(task: Task, parameters: tuple[float, ...]) -> None:
 
 def _check_motion(task: Task, parameters: tuple[float, ...], seed: int) -> None:
     """Move the robot at random under the reference reward, twice with the same seed."""
-    seen = []
-    for _ in range(2):
-        env = VectorEnv(task, parameters, 2, reward_function(task.reward))
-        assert env.action_size > 0, "the robot has no motors"
-        random = np.random.default_rng(seed)
-        observations = [env.reset(seed)]
-        for _ in range(MOVES):
-            moved = env.step(random.uniform(-1, 1, (2, env.action_size)))
-            observations.append(moved.observation)
-            assert np.isfinite(moved.reward).all(), "the reference reward is not a finite number"
-        seen.append(np.stack(observations))
+    try:
+        seen = [_moved(task, parameters, seed) for _ in range(2)]
+    except RewardFailed as error:
+        raise AssertionError(f"the reference reward: {error}") from None
+    except UnstableSimulation as error:
+        named = ", ".join(f"{name} = {value:.4g}" for name, value in task.named(parameters).items())
+        raise AssertionError(f"the robot with {named}: {_steadied(task, error)}") from None
     assert np.isfinite(seen[0]).all(), f"an observation of {parameters} is not a finite number"
     assert np.array_equal(seen[0], seen[1]), "the same seed and actions give another motion"
+
+
+def _moved(task: Task, parameters: tuple[float, ...], seed: int) -> NDArray[np.float64]:
+    """Return what is observed of two robots (moves, 2, size) that are moved at random."""
+    env = VectorEnv(task, parameters, 2, reward_function(task.reward))
+    assert env.action_size > 0, "the robot has no motors"
+    random = np.random.default_rng(seed)
+    observations = [env.reset(seed)]
+    for _ in range(MOVES):
+        moved = env.step(random.uniform(-1, 1, (2, env.action_size)))
+        observations.append(moved.observation)
+        assert np.isfinite(moved.reward).all(), "the reference reward is not a finite number"
+    return np.stack(observations)

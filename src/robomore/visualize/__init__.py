@@ -2,7 +2,7 @@
 
 Every function takes a `Run` and, if you have one, the axes to draw on; without axes it makes a new
 figure. Nothing is shown or saved: `ax.figure.savefig("figure.pdf")` does. Matplotlib is needed
-(`pip install matplotlib`) and imported when the first figure is drawn.
+(`pip install "robomore[plot]"`) and imported when the first figure is drawn.
 
     from robomore import load_run
     from robomore.visualize import best_so_far

@@ -35,5 +35,6 @@ def matplotlib(module: str) -> Any:
         return importlib.import_module(f"matplotlib.{module}")
     except ImportError as error:
         raise InputError(
-            f"figures need Matplotlib, which cannot be imported ({error}); pip install matplotlib"
+            f"figures need Matplotlib, which cannot be imported ({error}); pip install "
+            '"robomore[plot]"'
         ) from None
