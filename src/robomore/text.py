@@ -22,6 +22,11 @@ def sanitize(text: str) -> str:
     return "".join(c if c.isprintable() or c in "\n\t" else _plain(c) for c in text)
 
 
+def odd_characters(text: str) -> list[str]:
+    """Return the characters that `sanitize` replaces by a mark, each once, in order."""
+    return [c for c in dict.fromkeys(text) if c != _REPLACEMENT and sanitize(c) == _REPLACEMENT]
+
+
 def one_line(text: str) -> str:
     """Return what `sanitize` does, with all white space in a row as one space."""
     return " ".join(sanitize(text).split())

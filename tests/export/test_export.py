@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import importlib
 import json
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -215,6 +217,39 @@ def test_a_function_of_a_task_file_stays_in_its_run(trained_run: Path, tmp_path:
     foreign = replace(run, task=task_from_content(content))
     with pytest.raises(ExportFailed, match="dog is a function of its task file, which is not"):
         environment_package(foreign, evaluation, "x", "", "")
+
+
+EVIL = '")\n\n\nimport os\n"""\nPWNED = os.environ\n' + "'''\nPWNED = 1\n"
+
+
+@pytest.mark.parametrize("fitness", ['"distance"', FUNCTION])
+def test_what_a_task_says_is_no_code(fitness: str, trained_run: Path, tmp_path: Path) -> None:
+    run, evaluation, _ = of_a_dog(fitness, trained_run, tmp_path)
+    if fitness == '"distance"':
+        run = load_run(trained_run)  # Its package is the other one, without RoboMoRe.
+        assert run.champion is not None
+        evaluation = run.champion.best("efficiency")
+    goal = replace(run.task.goal, unit=EVIL)
+    forged = replace(run, task=replace(run.task, title=EVIL, description=EVIL, fitness=goal))
+    files = environment_package(forged, evaluation, "x", "", "")
+    for file, text in files.items():
+        if file.endswith(".py"):
+            names = [one.id for one in ast.walk(ast.parse(text)) if isinstance(one, ast.Name)]
+            assert "PWNED" not in names, file
+    assert tomllib.loads(files["pyproject.toml"].decode())["project"].keys() == {
+        *("name", "version", "description", "requires-python", "dependencies")
+    }
+
+
+def test_what_was_made_of_a_run_gets_no_keys(
+    trained_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SECRET_API_KEY", "sk-1")
+    says = b"import json, os; print(json.dumps([float('SECRET_API_KEY' in os.environ)]))"
+    champion = load_run(trained_run).champion
+    assert champion is not None
+    found = _run_alone({"nosy/__main__.py": says}, "nosy", champion.best("efficiency"))
+    assert found == [0.0]
 
 
 def of_a_dog(fitness: str, trained_run: Path, folder: Path) -> tuple[Run, Evaluation, MLPPolicy]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -80,6 +81,8 @@ def test_meshes_count_for_the_key(tmp_path: Path) -> None:
         ('<include file="/etc/passwd"/>', "<include>, which reads other files"),
         ('<asset><mesh name="m" file="/etc/hosts"/></asset>', "reads the file '/etc/hosts'"),
         ('<asset><mesh name="m" file="x.stl" /></asset>', "which is not in it"),
+        ('<include xmlns="q" file="/etc/passwd"/>', "names a namespace"),
+        ('<q:include xmlns:q="q" file="/etc/passwd"/>', "names a namespace"),
     ],
 )
 def test_a_foreign_task_reads_no_file(dog: Path, part: str, remedy: str) -> None:
@@ -87,6 +90,38 @@ def test_a_foreign_task_reads_no_file(dog: Path, part: str, remedy: str) -> None
     forged = content.replace("<worldbody>", part.replace('"', '\\"') + "<worldbody>")
     with pytest.raises(InputError, match=remedy):
         task_from_content(forged.encode())
+
+
+@pytest.mark.parametrize(
+    "name", ["/etc/passwd", "/tmp/x.stl", "../x.stl", "a\\\\x.stl", "x.xml", "policy.npz", ""]
+)
+def test_a_foreign_task_carries_nothing_but_meshes(dog: Path, name: str) -> None:
+    content = json.loads(task_content(get_task(str(dog))))
+    content["assets"] = {name.replace("\\\\", "\\"): "eA=="}
+    with pytest.raises(InputError, match="is no name of a mesh"):
+        task_from_content(json.dumps(content).encode())
+
+
+@pytest.mark.parametrize("text", ["a\nb", "a\x1b[2J", "\u202ea", "a\tb", "x" * 1_000_000, "\0"])
+@pytest.mark.parametrize("field", ["title", "unit", "mass", "description", "meaning"])
+def test_a_foreign_tasks_texts_fit_where_they_are_shown(dog: Path, field: str, text: str) -> None:
+    content = json.loads(task_content(get_task(str(dog))))
+    if field == "meaning":
+        content["parameters"][0]["meaning"] = text
+    else:
+        content[field] = text
+    if field == "description" and text in ("a\nb", "a\tb"):
+        assert task_from_content(json.dumps(content).encode()).description == text
+        return
+    with pytest.raises(InputError, match=f"{field}.*(characters|is long)") as refused:
+        task_from_content(json.dumps(content).encode())
+    assert len(str(refused.value)) < 500 and str(refused.value).isprintable()
+
+
+def test_ones_own_texts_are_looked_at_when_the_file_is_read(dog: Path) -> None:
+    title = next(line for line in dog.read_text().splitlines() if line.startswith("title"))
+    with pytest.raises(InputError, match="its title is 'two"):
+        read_task_file(edited(dog, title, 'title = "two\\nlines"'))
 
 
 def test_a_fitness_of_ones_own_runs_for_its_author_alone(dog: Path) -> None:

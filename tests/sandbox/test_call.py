@@ -99,7 +99,12 @@ def test_surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     ("how", "words"),
-    [("exit", "exit status 3"), ("SIGSEGV", "SIGSEGV"), ("SIGKILL", "SIGKILL")],
+    [
+        ("exit", "exit status 3"),
+        ("SIGSEGV", "SIGSEGV"),
+        ("SIGKILL", "SIGKILL"),
+        ("40", "signal 40"),
+    ],
 )
 def test_death(how: str, words: str, tmp_path: Path) -> None:
     result = call("end", how.encode(), tmp_path)

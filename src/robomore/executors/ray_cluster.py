@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from robomore.errors import InputError
-from robomore.executors.worker_process import clean_environment
+from robomore.processes import clean_environment
 
 log = logging.getLogger(__name__)
 

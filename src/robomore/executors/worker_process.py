@@ -19,20 +19,11 @@ import msgspec
 
 from robomore.executors.executor import Done, Failed, Outcome
 from robomore.executors.worker import Call, Progressed, Replied, Reply, Unfit
+from robomore.processes import clean_environment, signal_name
 from robomore.text import to_json
 
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-_INHERITED = (
-    *("PATH", "HOME", "TMPDIR", "TZ", "LANG", "LC_ALL", "LD_LIBRARY_PATH", "PYTHONPATH"),
-    *("XDG_CACHE_HOME", "ROBOMORE_CACHE"),
-)
-"""The environment variables that a worker inherits: enough to start Python, and no API key."""
 _LOG_TAIL = 2000
-
-
-def clean_environment() -> dict[str, str]:
-    """Return the variables of this process that another one may inherit: none holds a key."""
-    return {name: os.environ[name] for name in _INHERITED if name in os.environ}
 
 
 class WorkerProcess:
@@ -140,7 +131,7 @@ class WorkerProcess:
 
 def _how_it_ended(code: int) -> str:
     if code < 0:
-        name = signal.Signals(-code).name
+        name = signal_name(-code)
         hint = " (out of memory, or killed from outside)" if name == "SIGKILL" else ""
         return f"was ended by {name}{hint}"
     return f"exited with status {code}"

@@ -118,12 +118,11 @@ def environment_package(
         )
     parameters = evaluation.design.morphology.parameters
     common = {
-        "title": one_line(f"{task.title}, {name}").replace('"', "'").replace("\\", "/"),
+        "title": re.sub(r"[^\w ,.:()+-]", " ", one_line(f"{task.title}, {name}")),
         "package": package,
         "distribution": package.replace("_", "-"),
         "id": environment_id(task, name),
         "fitness": task.goal.name,
-        "unit": f" in {task.goal.unit}" if task.goal.unit else "",
         "episode_steps": str(task.episode_steps),
         "dependencies": json.dumps(_dependencies(task)),
     }
@@ -135,7 +134,7 @@ def environment_package(
         "policy.py": policy,
         "reward.py": evaluation.design.reward.source,
         "robot.xml": mjcf,
-        "recorded.json": to_json(recorded(evaluation)).decode() + "\n",
+        "recorded.json": to_json(recorded(evaluation) | {"unit": task.goal.unit}).decode() + "\n",
     }
     files = {f"{package}/{file}": text.encode() for file, text in inner.items()}
     if not alone:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 import re
 import subprocess
 import sys
@@ -26,6 +25,7 @@ from robomore.export.mjcf import standalone_mjcf
 from robomore.export.policies import numpy_module, onnx_bytes
 from robomore.export.printing import Piece, Printer, pieces_of
 from robomore.export.urdf import MESHES, write_urdf
+from robomore.processes import clean_environment
 from robomore.rendering.recording import record
 from robomore.rendering.video import write_video
 from robomore.runs import Run
@@ -206,7 +206,8 @@ def _run_alone(package: Mapping[str, bytes], name: str, evaluation: Evaluation) 
             done = subprocess.run(
                 command,
                 cwd=scratch,
-                env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1", "PYTHONSAFEPATH": ""},
+                # A run's folder may come from anybody: what is made of it gets no keys.
+                env=clean_environment() | {"PYTHONDONTWRITEBYTECODE": "1"},
                 capture_output=True,
                 text=True,
                 timeout=_CHECK_SECONDS,

@@ -1,4 +1,8 @@
-"""Texts of exported files, in `files/`: `@NAME@` stands for what differs from export to export."""
+"""Texts of exported files, in `files/`: `@NAME@` stands for what differs from export to export.
+
+These files are executed, and a run's folder may come from anybody. So what a folder says stands in
+them as a literal or as a name of letters and digits, or lies as data beside them.
+"""
 
 from __future__ import annotations
 

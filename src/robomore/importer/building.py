@@ -17,7 +17,7 @@ from robomore.importer.ranges import one_sided, within_ranges
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
 from robomore.importer.template import TemplateWriter
 from robomore.tasks.fitness import Fitness
-from robomore.tasks.portable import ENVIRONMENT, FixedOptions, refuse_files
+from robomore.tasks.portable import ENVIRONMENT, FixedOptions, refuse_files, refuse_texts
 from robomore.tasks.task import Parameter, Task
 from robomore.tasks.template import fill
 
@@ -147,6 +147,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         mesh_volumes=writer.mesh_volumes,
         mass=f"{plan.mass}: {MASS_MODES[plan.mass]}",
     )
+    refuse_texts(task)
     return task, tuple(notes)
 
 

@@ -269,7 +269,9 @@ def _assets(spec: mujoco.MjSpec, path: Path) -> dict[str, bytes]:
         if not file.is_file():
             raise OSError(f"the mesh file {file} is missing")
         mesh.name = mesh.name or file.stem
-        name = f"{mesh.name}{file.suffix.lower()}"
+        name = re.sub(r"[/\\]", "-", f"{mesh.name}{file.suffix.lower()}")
+        if name in assets:
+            raise OSError(f"two meshes would be called {name}; rename one")
         with file.open("rb") as opened:
             assets[name] = opened.read(MOST_BYTES + 1)
         mesh.file = name

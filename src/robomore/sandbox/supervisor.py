@@ -14,6 +14,7 @@ from typing import IO
 
 import msgspec
 
+from robomore.processes import signal_name
 from robomore.sandbox import heartbeat
 from robomore.sandbox.linux.usage import folder_bytes, usage
 from robomore.sandbox.process import ChildProcess
@@ -210,7 +211,7 @@ class Supervisor:
         assert code is not None
         printed = self.log.strip()[-2_000:]
         output = f"; its last output: {printed}" if printed else ""
-        ending = f"died of {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"
+        ending = f"died of {signal_name(-code)}" if code < 0 else f"exit status {code}"
         if -code == signal.SIGXCPU or self._child.cpu_seconds > self._cpu_seconds:
             return Status.TIMED_OUT, f"used up its {self._cpu_seconds:g} s of processor time"
         if code and self.peak_memory > _MEMORY_SHARE * self._limits.memory_bytes:

@@ -22,6 +22,7 @@ from robomore.tasks.meshes import MOST_BYTES_OF_ALL, check_meshes
 from robomore.tasks.sizes import check_sizes
 from robomore.tasks.task import Parameter, Task, Values
 from robomore.tasks.trajectory import Trajectory
+from robomore.text import odd_characters
 
 ENVIRONMENT = "robomore.envs.robots.own_robot:OwnRobotEnvironment"
 """The one environment of such tasks."""
@@ -31,6 +32,12 @@ _MOST_DATA = 4 * 2**20
 
 _MOST_STEPS = 1_000_000
 """Steps of MuJoCo in an episode: more than half an hour at a time step of 2 ms."""
+
+_LONGEST_LINE, _LONGEST_DESCRIPTION = 500, 20_000
+"""Characters of a text that is shown in one line, and of a description."""
+
+_MESH = re.compile(r"[^/\\]{1,200}\.(?:stl|obj|msh)", re.IGNORECASE)
+"""The name of a mesh: a path could be one of this machine."""
 
 MOST_CONTENT = MOST_BYTES_OF_ALL * 4 // 3 + 2 * _MOST_DATA
 """Bytes of a whole task, in which meshes are written as text."""
@@ -152,7 +159,37 @@ def task_from_content(content: bytes, trusted: bool = True) -> Task:
     values["options"] = FixedOptions(read.options)
     values["fitness"] = make_fitness(read.fitness, read.unit, trusted)
     refuse_files(read.id, read.template, read.assets)
-    return Task(**values, environment=ENVIRONMENT)
+    task = Task(**values, environment=ENVIRONMENT)
+    refuse_texts(task)
+    return task
+
+
+def refuse_texts(task: Task) -> None:
+    """Refuse texts of a task that do not fit where they are shown.
+
+    Raises:
+        InputError: naming the text.
+    """
+    lines = {"title": task.title, "mass": task.mass, "unit of the fitness": task.goal.unit}
+    for number, term in enumerate(task.goal.terms, start=1):
+        lines[f"unit of measure {number}"] = term.measure.unit
+        lines[f"meaning of measure {number}"] = term.measure.meaning
+    for one in task.parameters:
+        lines[f"name {one.name[:40]!r}"] = one.name
+        lines[f"unit of {one.name[:40]!r}"] = one.unit
+        lines[f"meaning of {one.name[:40]!r}"] = one.meaning
+    for what, text in lines.items():
+        if len(text) > _LONGEST_LINE or "\n" in text or "\t" in text or odd_characters(text):
+            raise InputError(
+                f"{task.id}: its {what} is {text[:80]!r}; give one line of at most "
+                f"{_LONGEST_LINE} characters that can be printed"
+            )
+    if len(task.description) > _LONGEST_DESCRIPTION or (odd := odd_characters(task.description)):
+        fault = f"holds {odd[0]!r}" if len(task.description) <= _LONGEST_DESCRIPTION else "is long"
+        raise InputError(
+            f"{task.id}: its description {fault}; give at most {_LONGEST_DESCRIPTION:,} "
+            "characters that can be printed"
+        )
 
 
 def _check_options(read: _Content) -> None:
@@ -235,9 +272,18 @@ def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:
     Raises:
         InputError: naming the file.
     """
+    for name in assets:
+        if not _MESH.fullmatch(name):
+            raise InputError(
+                f"{id}: {name[:80]!r} is no name of a mesh; give one without folders that ends in "
+                ".stl, .obj or .msh"
+            )
     check_meshes(id, assets)
     if re.search(r"<!(DOCTYPE|ENTITY)", template):
         raise InputError(f"{id}: its template declares entities; write plain MJCF")
+    # MuJoCo knows no namespaces: it takes `<include xmlns="…">` for an `include`.
+    if "xmlns" in template:
+        raise InputError(f"{id}: its template names a namespace (xmlns); write plain MJCF")
     try:
         root = ET.fromstring(template)
     except ET.ParseError as error:

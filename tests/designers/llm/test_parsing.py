@@ -99,6 +99,13 @@ def test_all_errors_of_the_code_come_at_once_with_their_lines() -> None:
     assert any("`reward`" in fault for fault in errors)
 
 
+def test_many_empty_lines_take_no_time() -> None:
+    code = "x = 1\n" + "\n" * 49_000 + TAKEN_REWARD.source.replace('    """First."""\n', "")
+    started = time.monotonic()
+    assert parse_reward(code).idea == ""
+    assert time.monotonic() - started < 3.0  # it took 13 s
+
+
 def test_warnings_do_not_stop_a_reward() -> None:
     reply = "def _get_rew(self, x_velocity, action):\n    return x_velocity, {}\n"
     warned = [Finding(1, "warning", "hm")]

@@ -174,7 +174,7 @@ def _idea(code: str) -> str:
         for docstring in (*map(ast.get_docstring, functions), ast.get_docstring(tree)):
             if docstring:
                 return _one_line(docstring.strip().split("\n")[0])
-    comment = re.search(r"^\s*#+\s*(.+)$", code, re.MULTILINE)
+    comment = re.search(r"^[ \t]*#+[ \t]*(\S.*)$", code, re.MULTILINE)
     return _one_line(comment[1]) if comment else ""
 
 
