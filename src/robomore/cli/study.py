@@ -59,7 +59,6 @@ def study(
     plan
         List the runs and the most control steps that they take, and start nothing.
     """
-    from robomore.runs.words import number
     from robomore.studies import STUDIES, run_study
     from robomore.studies.execute import cells_of
     from robomore.studies.presets import scale
@@ -87,9 +86,11 @@ def study(
     if plan:
         for cell in cells:
             write(f"{cell.folder.name}\n")
-        steps = sum(cell.budget_steps for cell in cells)
+        search, final = (sum(cell.most_steps[part] for cell in cells) for part in (0, 1))
+        runs = f"{len(cells)} run{'' if len(cells) == 1 else 's'}"
         write(
-            f"{len(cells)} runs, at most {number(steps)} control steps of search; finals on top\n"
+            f"{runs}, at most {search + final:,} control steps: {search:,} of search and "
+            f"{final:,} of finals\n"
         )
         return
     out = machine.out or Path("studies") / f"{name}-{preset}"
