@@ -37,6 +37,7 @@ def test_one_arm_runs_and_its_table_is_told(robomore_: Command, tmp_path: Path) 
     said = robomore_(*words)
     assert said.status == 0, said.err
     assert "run 1 of 1: swimmer-reference-s0" in said.err
+    assert "m/m³, the reference design" in said.err
     assert "| swimmer | reference |" in said.out
     assert (tmp_path / "tables" / "found.tex").is_file()
 

@@ -264,10 +264,10 @@ def _times(state: RunState) -> str:
     if run and run.budget_steps is not None:
         said += f", {state.search_steps:,} of {run.budget_steps:,} control steps"
     left = state.time_left()
-    return f"{said}, about {_roughly(left)} left" if left else said
+    return f"{said}, about {roughly(left)} left" if left else said
 
 
-def _roughly(seconds: float) -> str:
+def roughly(seconds: float) -> str:
     """Return a duration without digits that an estimate does not have."""
     if seconds < 90:
         return f"{max(10, round(seconds, -1)):.0f} s"
