@@ -18,6 +18,7 @@ from rich.text import Text
 from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.monitor import RunState
+from robomore.options import settings_words
 from robomore.runs.words import duration, equation, in_unit
 from robomore.text import one_line
 from robomore.types import Evaluation, Place
@@ -196,7 +197,8 @@ class PlainLines:
 def _settings(run: RunBegan) -> str:
     designer = f"designer {run.designer}" if run.designer else "no designer"
     return (
-        f"{run.preset}, method {run.settings.method.name}, {designer}, seed {run.seed}, "
+        f"{settings_words(run.preset, run.settings)}; method {run.settings.method.name}, "
+        f"{designer}, seed {run.seed}, "
         f"{_several(run.workers, 'worker')}"
     )
 
