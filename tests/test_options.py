@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from robomore.errors import InputError
-from robomore.options import changes, settings_name, with_options
+from robomore.options import changes, settings_name, settings_words, with_options
 from robomore.search import make_method
 from robomore.settings import PRESETS, preset
 
@@ -117,3 +117,47 @@ def test_settings_that_no_option_reaches_are_custom() -> None:
     fewer = replace(plain, method=replace(plain.method, options={}))
     assert changes("quick", fewer) is None
     assert changes("nobodys", plain) is None
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({}, "preset quick"),
+        ({"method": "cmaes"}, "preset quick"),
+        (
+            {"steps": 20_000, "method_options": {"morphologies": 3, "max_cycles": 1}},
+            "preset quick, with morphologies 3, max cycles 1, steps 20,000",
+        ),
+        ({"trainer": "sac", "objective": "fitness"}, ", with trainer sac, objective fitness"),
+        ({"max_volume": 0.25, "require_audit": True}, ", with require audit, max volume 0.25"),
+        (
+            {"method": "given", "method_options": {"reward": "def _get_rew():\n", "x": None}},
+            ", with reward of its own, x none",
+        ),
+        ({"method_options": {"x": False, "a\nb": [1]}}, ", with without x, a b of its own"),
+    ],
+)
+def test_settings_are_said_as_a_preset_and_what_was_changed(
+    options: dict[str, Any], said: str
+) -> None:
+    whole = with_options(preset("quick"), **options)
+    assert settings_words(settings_name("quick", whole), whole).endswith(said)
+
+
+def test_other_settings_are_said_by_their_name() -> None:
+    plain = preset("quick")
+    assert settings_words("comparison-random", plain) == "settings comparison-random"
+    assert settings_words("custom", plain) == "custom settings"
+    # A preset as it was in an older version: nobody has changed it.
+    older = with_options(plain, steps=7)
+    assert settings_words("quick", older) == "preset quick"
+    budget = replace(older.final, episodes=3)
+    own = replace(older, final=budget)
+    assert settings_words("quick-steps7", own) == "settings quick-steps7"
+
+
+@settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow])
+@given(chosen=CHANGES)
+def test_settings_are_one_line(chosen: dict[str, Any]) -> None:
+    whole = with_options(preset("quick"), **chosen)
+    assert len(settings_words(settings_name("quick", whole), whole).splitlines()) == 1

@@ -21,9 +21,12 @@ from robomore.settings import (
     with_trainer,
 )
 from robomore.suggestions import did_you_mean
+from robomore.text import one_line
 
 _LONGEST_NAME = 100
 """Characters of a name of settings; file systems take 255 for all of a folder's name."""
+_LONGEST_WORD = 24
+"""Characters of a value that is said."""
 
 
 def with_options(
@@ -149,6 +152,47 @@ def changes(name: str, settings: RunSettings) -> dict[str, Any] | None:
         if getattr(settings, option) != getattr(plain, option):
             found[option] = getattr(settings, option)
     return found if with_options(preset(name), **found) == settings else None
+
+
+def settings_words(name: str, settings: RunSettings) -> str:
+    """Return how settings are called before people: `preset quick, with rewards 2, steps 5,000`.
+
+    The search method is left out, which is always said besides.
+
+    Args:
+        name: of the settings, as `settings_name` returned it.
+        settings: that have this name.
+    """
+    plain, changed, _ = name.partition("-")
+    if plain not in PRESETS:
+        return f"{plain} settings" if plain == "custom" else f"settings {name}"
+    try:
+        found = changes(plain, settings) if changed else {}
+    except InputError:  # a method or trainer that is not installed here
+        found = None
+    if found is None:
+        return f"settings {name}"
+    words = []
+    for option, value in found.items():
+        if isinstance(value, Mapping):
+            words += [_said(one, chosen) for one, chosen in value.items()]
+        elif option != "method":
+            words.append(_said(option, value))
+    return one_line(f"preset {plain}, with {', '.join(words)}") if words else f"preset {plain}"
+
+
+def _said(option: str, value: object) -> str:
+    """Return an option with its value in words; a long text or a list is only said to be given."""
+    said = option.replace("_", " ")
+    if isinstance(value, bool):
+        return said if value else f"without {said}"
+    if isinstance(value, int):
+        return f"{said} {value:,}"
+    if isinstance(value, float):
+        return f"{said} {value:g}"
+    if isinstance(value, str) and len(value) <= _LONGEST_WORD and value.isprintable():
+        return f"{said} {value}"
+    return f"{said} none" if value is None else f"{said} of its own"
 
 
 def settings_name(name: str, settings: RunSettings) -> str:

@@ -11,6 +11,14 @@ from types import ModuleType, TracebackType
 
 from robomore.errors import InputError
 
+_REFUSED = frozenset(
+    (
+        *("breakpoint", "compile", "delattr", "eval", "exec", "exit", "globals", "hash", "id"),
+        *("input", "locals", "memoryview", "open", "quit", "setattr", "vars"),
+    )
+)
+"""Python's own functions that `robomore.rewards.rules` refuses."""
+
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
     """Return ` Did you mean 'ant'?` for the name in `known` that is like `name`, or no text."""
@@ -72,4 +80,4 @@ def _names_at(place: TracebackType | None) -> Iterator[object]:
     if frames:
         yield from frames[-1].f_code.co_varnames
         yield from frames[-1].f_globals
-        yield from vars(builtins)
+        yield from vars(builtins).keys() - _REFUSED

@@ -71,7 +71,7 @@ def test_limits_are_shown_where_they_are_set(state: RunState) -> None:
 
 
 def test_a_method_that_asks_no_designer_says_so(state: RunState) -> None:
-    assert "quick, method ours, designer offline, seed 3, 2 workers" in shown(state)
+    assert "preset quick; method ours, designer offline, seed 3, 2 workers" in shown(state)
     state(replace(BEGAN, designer=""))
     assert "no designer" in shown(state)
 

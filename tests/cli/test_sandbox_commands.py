@@ -9,6 +9,8 @@ import pytest
 
 from cli.commands import Command
 from robomore.cli.app import main
+from robomore.rewards.dry_run import DryRun, DryRunResult
+from robomore.rewards.finding import Finding
 from robomore.sandbox.restrictions import REQUIRED
 
 
@@ -26,7 +28,9 @@ def test_check_reward_names_file_line_and_remedy(
     file = tmp_path / "reward.py"
     file.write_text("import os\n\ndef _get_rew(self, x_velocity, action):\n    return 1.0, {}\n")
     assert main(["check-reward", "ant", str(file)]) == 1
-    assert f"{file}:1: error: cannot import `os`" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert f"{file}:1: error: cannot import `os`" in told
+    assert told.splitlines()[-1] == f"{file}: refused, with 1 error"
 
 
 def test_a_sound_reward_passes_with_its_statistics(
@@ -40,6 +44,7 @@ def test_a_sound_reward_passes_with_its_statistics(
     assert main(["check-reward", "swimmer", str(file)]) == 0
     told = capsys.readouterr().out
     assert f"{file}:3: warning: 'spin' was 0 in all" in told and "one call takes" in told
+    assert told.splitlines()[-1] == f"{file}: accepted, with 1 warning"
     table = told.splitlines()[2:6]
     assert [line.split()[0] for line in table] == ["(the", "speed", "effort", "spin"]
     assert main(["check-reward", "swimmer", str(file), "--json"]) == 0
@@ -64,6 +69,18 @@ def test_what_only_a_try_shows_is_an_error_with_its_line(
     assert main(["check-reward", "swimmer", str(file)]) == 1
     told = capsys.readouterr().out
     assert f"{file}:{line}: error: " in told and said in told
+    assert told.splitlines()[-1] == f"{file}: refused, with 1 error"
+
+
+def test_what_was_not_tried_out_is_neither_accepted_nor_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    untried = DryRunResult([Finding(1, "note", "could not be tried out: no simulation")])
+    monkeypatch.setattr(DryRun, "result", lambda self, source: untried)
+    file = tmp_path / "reward.py"
+    file.write_text("def _get_rew(self, x_velocity, action):\n    return x_velocity, {}\n")
+    assert main(["check-reward", "swimmer", str(file)]) == 1
+    assert capsys.readouterr().out.splitlines()[-1].startswith(f"{file}: neither accepted nor")
 
 
 def test_a_missing_file_is_misuse(capsys: pytest.CaptureFixture[str]) -> None:

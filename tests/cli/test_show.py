@@ -16,7 +16,7 @@ from robomore.types import Design, Place, Reward
 def test_show_prints_the_champion_and_who_proposed_it(robomore_: Command, finished: Path) -> None:
     said = robomore_("show", finished)
     assert said.status == 0
-    assert "preset quick, method robomore, designer offline, seed 7, finished" in said.out
+    assert "preset quick; method robomore, designer offline, seed 7, finished" in said.out
     assert PROVENANCE in said.out
     run = load_run(finished)
     assert run.headline is not None and run.headline.interval is not None

@@ -21,8 +21,14 @@ def test_a_plan_starts_nothing(robomore_: Command, tmp_path: Path) -> None:
     said = robomore_(*words, "--out", str(tmp_path / "study"))
     assert said.status == 0
     assert "hopper-without-reward-s1" in said.out
-    assert "16 runs, at most 3,200,000 control steps of search" in said.out
+    assert "16 runs, at most 4,480,000 control steps: 2,560,000 of search and" in said.out
     assert not (tmp_path / "study").exists()
+
+
+def test_a_plan_costs_what_the_documents_say(robomore_: Command) -> None:
+    """Of designs that are only trained, nothing is searched."""
+    said = robomore_("study", "motivation", "--preset", "quick", "--plan")
+    assert "12 runs, at most 1,680,000 control steps: 240,000 of search and 1,440,000" in said.out
 
 
 def test_one_arm_runs_and_its_table_is_told(robomore_: Command, tmp_path: Path) -> None:
@@ -31,6 +37,7 @@ def test_one_arm_runs_and_its_table_is_told(robomore_: Command, tmp_path: Path) 
     said = robomore_(*words)
     assert said.status == 0, said.err
     assert "run 1 of 1: swimmer-reference-s0" in said.err
+    assert "m/m³, the reference design" in said.err
     assert "| swimmer | reference |" in said.out
     assert (tmp_path / "tables" / "found.tex").is_file()
 

@@ -131,7 +131,11 @@ def test_says_what_is_wrong_and_where(text: str, line: int, words: str) -> None:
     ("source", "words"),
     [
         ("def _get_rew(self, x_velocity, action)\n    return 0.0, {}", "does not parse"),
-        ("def reward(self, x_velocity, action):\n    return 0.0, {}", "define `def _get_rew"),
+        ("def reward(self, x_velocity, action):\n    return 0.0, {}", "rename `reward` to"),
+        ("def f(a): pass\ndef go(a, b, c): pass", "rename `go` to `_get_rew`"),
+        ("def get_rew(a, b, c): pass\ndef norm(a, b, c): pass", "rename `get_rew` to"),
+        ("def f(a, b, c): pass\ndef norm(a, b, c): pass", "define `def _get_rew"),
+        ("def get_reward(self): pass", "rename `get_reward` to `_get_rew"),
         ("class A:\n    def _get_rew(self, v, a):\n        return 0.0, {}", "not inside a class"),
         ("def _get_rew(self, action):\n    return 0.0, {}", "must take (self, x_velocity, action)"),
         ("def _get_rew(self, v, a, *, w):\n    return 0.0, {}", "must take"),
@@ -160,6 +164,36 @@ def test_says_what_is_allowed_and_good_to_know() -> None:
     ]
     assert "for the whole training" in found[1].message
     assert "keeps `self.last` between the steps of an episode" in found[2].message
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("if self.data.time == 0:\n    self.n = 0", 2),
+        ("t = float(self.data.time)\nif t <= 0.0 or not hasattr(self, 'n'):\n    self.n = 0", 3),
+        ("n = 0 if 1e-9 >= self.data.time else 1", 2),
+        ("if not self.data.time:\n    self.n = 0", 2),
+    ],
+)
+def test_a_start_that_never_comes_is_noted(text: str, line: int) -> None:
+    found = check_reward(body(f"{text}\nreturn 0.0, {{}}"))
+    assert [it.line for it in found if "so this never holds" in it.message] == [line]
+    assert all(it.severity == "note" for it in found)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "if self.data.time > 0:\n    self.n = 0",
+        "if self.data.time <= self.dt:\n    self.n = 0",
+        "if self.data.time < 0.05:\n    self.n = 0",
+        "t = self.data.time\nt -= 1.0\nif t == 0:\n    self.n = 0",
+        "for t in self.data.qpos:\n    if t == 0:\n        self.n = 0",
+    ],
+)
+def test_a_start_that_may_come_is_not_noted(text: str) -> None:
+    found = check_reward(body(f"{text}\nreturn 0.0, {{}}"))
+    assert not any("never holds" in it.message for it in found)
 
 
 @pytest.mark.parametrize(

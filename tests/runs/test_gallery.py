@@ -17,6 +17,7 @@ from robomore.experiment.auditing import audit_run
 from robomore.importer.proposal import write_proposal
 from robomore.importer.reading import read_robot
 from robomore.importer.task_file import read_task
+from robomore.options import settings_words
 from robomore.plain_files import PlainFolder
 from robomore.runs import load_run
 from robomore.runs.gallery import add_entry, load_entry, load_gallery
@@ -46,6 +47,7 @@ def test_an_entry_is_the_champion_without_its_run(audited: Path, tmp_path: Path)
     assert entry.audit is not None and not entry.audit.passes
     assert entry.origin is not None and entry.origin.seed == 1
     assert entry.origin.role == run.champion_role
+    assert entry.origin.settings == settings_words(run.manifest.preset, run.manifest.settings)
     assert sum(one.stat().st_size for one in folder.iterdir()) < 2**20
     with pytest.raises(InputError, match="exists"):
         add_entry(run, tmp_path / "gallery")

@@ -12,11 +12,11 @@ from statistics import fmean
 import pytest
 
 import untrained  # noqa: F401  # makes its executor known
-from robomore.errors import InputError, NothingTrained, RunFolderError
+from robomore.errors import InputError, Interrupted, NothingTrained, RunFolderError
 from robomore.events import ignore
 from robomore.plain_files import NotPlainError
 from robomore.rewards.check import check_reward
-from robomore.runs import load_run
+from robomore.runs import Run, load_run
 from robomore.search import METHODS
 from robomore.search.named_starts import named_start
 from robomore.studies import STUDIES, Results, Study, Table, run_study
@@ -325,9 +325,34 @@ def test_the_costs_of_the_paper_are_told_as_they_are() -> None:
             cells, steps = cells_of(study, tasks, size, size.seeds), 0
             for cell in cells:
                 last, one = cell.settings.final, cell.settings.candidate.steps
-                only = cell.retrains or cell.settings.method.name in ("given", "reference")
-                steps += one if only else cell.budget_steps
-                steps += (last.finalists + 3) * last.seeds * last.steps
+                search, final = cell.most_steps
+                assert final == (last.finalists + 3) * last.seeds * last.steps
+                if cell.retrains or cell.settings.method.name in ("given", "reference"):
+                    assert search == one
+                assert one <= search <= cell.budget_steps
+                steps += search + final
             told += [f"{len(cells):,}", f"{steps:,}"]
         assert f"| {' | '.join(told)} |" in page
         assert f"robomore study {name} " in page
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, Interrupted])
+def test_a_study_that_is_stopped_counts_its_cells(
+    error: type[BaseException], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C reaches the study itself, or the run of a cell, which speaks of that cell alone."""
+    study, cells = some()
+    told: list[tuple[int, str]] = []
+
+    def tell(index: int, cell: Cell):  # type: ignore[no-untyped-def]
+        if index == 2:
+            raise error
+        return ignore
+
+    def ended(index: int, cell: Cell, run: Run) -> None:
+        told.append((index, run.task.id))
+
+    with pytest.raises(Interrupted, match=r"stopped; 2 of 3 runs are done and kept in .*same comm"):
+        run_study(study, cells, tmp_path, executor="untrained", tell=tell, ended=ended)
+    assert told == [(0, "swimmer"), (1, "swimmer")]
+    assert len(run_study(study, cells, tmp_path, executor="untrained").cells) == 3

@@ -89,8 +89,9 @@ def show_entry(folder: Path, as_json: bool) -> None:
     if one.origin is not None:
         origin = one.origin
         designer = f", designer {origin.designer}" if origin.designer else ""
+        settings = origin.settings or f"preset {origin.preset}"
         screen.print(
-            f"preset {origin.preset}, method {origin.method}{designer}, seed {origin.seed}; "
+            f"{settings}; method {origin.method}{designer}, seed {origin.seed}; "
             f"trained for {origin.steps:,} steps with {len(one.facts.seeds)} seeds"
         )
         screen.print(origin.provenance)

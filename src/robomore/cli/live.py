@@ -18,6 +18,7 @@ from rich.text import Text
 from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.monitor import RunState
+from robomore.options import settings_words
 from robomore.runs.words import duration, equation, in_unit
 from robomore.text import one_line
 from robomore.types import Evaluation, Place
@@ -196,7 +197,8 @@ class PlainLines:
 def _settings(run: RunBegan) -> str:
     designer = f"designer {run.designer}" if run.designer else "no designer"
     return (
-        f"{run.preset}, method {run.settings.method.name}, {designer}, seed {run.seed}, "
+        f"{settings_words(run.preset, run.settings)}; method {run.settings.method.name}, "
+        f"{designer}, seed {run.seed}, "
         f"{_several(run.workers, 'worker')}"
     )
 
@@ -264,10 +266,10 @@ def _times(state: RunState) -> str:
     if run and run.budget_steps is not None:
         said += f", {state.search_steps:,} of {run.budget_steps:,} control steps"
     left = state.time_left()
-    return f"{said}, about {_roughly(left)} left" if left else said
+    return f"{said}, about {roughly(left)} left" if left else said
 
 
-def _roughly(seconds: float) -> str:
+def roughly(seconds: float) -> str:
     """Return a duration without digits that an estimate does not have."""
     if seconds < 90:
         return f"{max(10, round(seconds, -1)):.0f} s"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -11,7 +13,9 @@ from robomore.cli.completion import TASK
 from robomore.cli.output import console, write_json
 
 if TYPE_CHECKING:
+    from robomore.rewards.dry_run import DryRunResult
     from robomore.rewards.dry_run_findings import Observed, Term
+    from robomore.rewards.finding import Finding
 
 
 def doctor(*, as_json: Annotated[bool, Parameter("--json", negative="")] = False) -> int:
@@ -59,9 +63,9 @@ def check_reward(
 ) -> int:
     """Check a reward: read its text, then try it out on moving robots in the sandbox.
 
-    Prints findings with their lines, statistics of the terms and the cost of a call. A reward of a
-    language model gets the same check and the same dry run. The exit status is 1 if there is an
-    error.
+    Prints findings with their lines, statistics of the terms and the cost of a call, and at the end
+    whether the reward is accepted. A reward of a language model gets the same check and the same
+    dry run. The exit status is 1 if there is an error.
 
     Parameters
     ----------
@@ -105,11 +109,32 @@ def check_reward(
             screen.print(said, markup=False, highlight=False)
         if result.observed:
             _print_statistics(result.observed)
-        if not findings:
-            screen.print(f"{file}: no errors found", markup=False)
-    # Without a dry run, because the machine could not do one, nothing is known of the reward.
-    tried = result.observed is not None
-    return 0 if tried and all(finding.severity != "error" for finding in findings) else 1
+        screen.print(f"{file}: {_verdict(result, findings)}", markup=False, highlight=False)
+    return 0 if _accepted(result, findings) else 1
+
+
+def _accepted(result: DryRunResult, findings: Sequence[Finding]) -> bool:
+    """Whether a reward was tried out and has no error.
+
+    Without a dry run, because the machine could not do one, nothing is known of the reward.
+    """
+    return result.observed is not None and all(one.severity != "error" for one in findings)
+
+
+def _verdict(result: DryRunResult, findings: Sequence[Finding]) -> str:
+    """Return in one line whether a reward can be trained, and how much was found."""
+    counts = Counter(one.severity for one in findings)
+    found = [
+        f"{counts[kind]} {kind}{'s' if counts[kind] > 1 else ''}"
+        for kind in ("error", "warning", "note")
+        if counts[kind]
+    ]
+    listed = " and ".join([", ".join(found[:-1]), found[-1]] if len(found) > 1 else found)
+    if counts["error"]:
+        return f"refused, with {listed}"
+    if not _accepted(result, findings):
+        return "neither accepted nor refused: it could not be tried out"
+    return f"accepted, with {listed}" if found else "accepted"
 
 
 def _print_statistics(observed: Observed) -> None:

@@ -149,12 +149,15 @@ def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
 
 
 def _print_head(screen: Console, run: Run) -> None:
+    from robomore.options import settings_words
+    from robomore.runs.slimmed import over_slimmed
     from robomore.runs.words import in_unit, with_interval
 
     manifest = run.manifest
     designer = f", designer {manifest.designer}" if manifest.designer else ""
+    said = settings_words(manifest.preset, manifest.settings)
     screen.print(
-        f"{run.task.title}: preset {manifest.preset}, method {manifest.settings.method.name}"
+        f"{run.task.title}: {said}; method {manifest.settings.method.name}"
         f"{designer}, seed {manifest.seed}, {'finished' if run.found else 'not finished'}",
         style="bold",
     )
@@ -174,6 +177,8 @@ def _print_head(screen: Console, run: Run) -> None:
             f"champion over reference, {run.objective}: {ratio}",
             style="bold green" if run.headline.mean > 1 else "bold",
         )
+    if slimmed := over_slimmed(run):
+        screen.print(slimmed)
     if run.pairs and run.pairs.champion:
         screen.print(f"The champion is {run.pairs.champion}.")
     screen.print()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Group, Parameter
 
@@ -14,10 +14,6 @@ from robomore.cli.output import console, tell, write
 from robomore.cli.run_options import Machine
 from robomore.cli.whole import Whole
 from robomore.errors import InputError
-
-if TYPE_CHECKING:
-    from robomore.events import Observer
-    from robomore.studies import Cell
 
 
 def study(
@@ -36,8 +32,8 @@ def study(
 ) -> None:
     """Run a study: several methods or settings on several tasks, with tables and figures.
 
-    The same command again finishes a study that was stopped. Without a name, the studies are
-    listed.
+    Each run's result is told as it ends, with about how long all of them still take. The same
+    command again finishes a study that was stopped. Without a name, the studies are listed.
 
     Parameters
     ----------
@@ -59,7 +55,7 @@ def study(
     plan
         List the runs and the most control steps that they take, and start nothing.
     """
-    from robomore.runs.words import number
+    from robomore.cli.study_progress import StudyProgress
     from robomore.studies import STUDIES, run_study
     from robomore.studies.execute import cells_of
     from robomore.studies.presets import scale
@@ -84,23 +80,27 @@ def study(
                 f"{', '.join(one.name for one in wanted.arms)}"
             )
         cells = [cell for cell in cells if cell.arm.name in arm]
+        if not cells:
+            raise InputError(
+                f"--arm {' --arm '.join(arm)} changes nothing at the preset {preset}, so there is "
+                "nothing to compare; name another --preset or --arm"
+            )
     if plan:
         for cell in cells:
             write(f"{cell.folder.name}\n")
-        steps = sum(cell.budget_steps for cell in cells)
+        search, final = (sum(cell.most_steps[part] for cell in cells) for part in (0, 1))
+        runs = f"{len(cells)} run{'' if len(cells) == 1 else 's'}"
         write(
-            f"{len(cells)} runs, at most {number(steps)} control steps of search; finals on top\n"
+            f"{runs}, at most {search + final:,} control steps: {search:,} of search and "
+            f"{final:,} of finals\n"
         )
         return
     out = machine.out or Path("studies") / f"{name}-{preset}"
-
-    def announce(index: int, cell: Cell) -> Observer:
-        tell(f"run {index + 1} of {len(cells)}: {cell.folder.name}\n")
-        return lambda event: None
-
     proposing = chosen(designer, model, replay)
     with machine.opened() as executor:
         at_once = 1 if isinstance(executor, str) else executor.workers
+        at_once = side_by_side or min(len(cells), at_once)
+        progress = StudyProgress(cells, at_once, tell)
         results = run_study(
             wanted,
             cells,
@@ -109,8 +109,9 @@ def study(
             executor=executor,
             workers=machine.workers,
             containment=machine.containment,
-            side_by_side=side_by_side or min(len(cells), at_once),
-            tell=announce,
+            side_by_side=at_once,
+            tell=progress.begin,
+            ended=progress.end,
         )
     for table in wanted.tables(results):
         write(f"{table.markdown()}\n")

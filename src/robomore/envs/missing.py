@@ -11,6 +11,40 @@ from difflib import get_close_matches
 _MOST = 64
 _LONGEST = 80
 
+_NOT_MEANT = frozenset(
+    (
+        *("camera_id", "camera_name", "height", "metadata", "mujoco_renderer", "render"),
+        *("render_mode", "width"),
+        *("close", "do_simulation", "fullpath", "get_wrapper_attr", "has_wrapper_attr", "reset"),
+        *("reset_model", "set_state", "set_wrapper_attr", "spec", "step", "unwrapped"),
+        *("control_map", "judges_health", "np_random_seed", "observation_structure"),
+        *("observed_views", "observes_forces", "position_view"),
+    )
+)
+"""What every robot's class has for pictures, for running the simulation and for many at once."""
+_MACHINERY = frozenset(("_ezpickle_args", "_parameters", "_reward_calls", "_simulation_index"))
+"""What is private, and a number or a tuple all the same."""
+
+
+def names_for_rewards(robot: object) -> list[str]:
+    """Return the attributes of a robot's environment that a reward may have meant.
+
+    Those are facts about the robot; what draws it or runs the simulation is left out.
+
+    Args:
+        robot: `self` of a reward.
+    """
+    numbers = (bool, int, float, tuple)
+    return [
+        name
+        for name in dir(robot)
+        if name not in _NOT_MEANT
+        and name not in _MACHINERY
+        and not name.startswith(("__", "batch_"))
+        # Of what is private, settings such as `_healthy_z_range` alone.
+        and (name[0] != "_" or type(vars(robot).get(name)) in numbers)
+    ]
+
 
 class MissingAttributes:
     """What was looked for in vain.

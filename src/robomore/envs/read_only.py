@@ -52,8 +52,8 @@ class _Source:
             value = getattr(self.target, name)
         except AttributeError:
             holder = "self.model" if self.constant else "self.data"
-            kind, known = type(self.target).__name__, lambda: dir(self.target)
-            raise self.missing.error(holder, name, kind, known) from None
+            kind = type(self.target).__name__
+            raise self.missing.error(holder, name, kind, self.known) from None
         if type(value) in _PLAIN:
             return value, self.constant
         wrapped = self.wrap(value)
@@ -61,6 +61,11 @@ class _Source:
             isinstance(wrapped, np.ndarray) and self.lasting(wrapped)
         )
         return wrapped, lasts
+
+    def known(self) -> list[str]:
+        """Return the names of what can be read."""
+        refused = REFUSED if self.on_request is not None else frozenset()
+        return [name for name in dir(self.target) if name not in refused]
 
     def wrap(self, value: Any) -> Any:
         """Return a value as something that cannot be changed."""

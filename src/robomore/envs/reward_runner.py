@@ -12,10 +12,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs.missing import MissingAttributes
+from robomore.envs.missing import MissingAttributes, names_for_rewards
 from robomore.envs.random_state import has_spawned
 from robomore.envs.read_only import ReadOnly, protect, read_only_data
-from robomore.envs.reward_amount import amount
+from robomore.envs.reward_amount import Amount, amount, mark, parts
 from robomore.envs.reward_objects import FixedObjects
 from robomore.envs.reward_outside import Outside
 from robomore.envs.reward_program import REWARD_FILENAME, RewardInstance, RewardProgram
@@ -175,14 +175,21 @@ class RewardRunner:
                 f"The reward changes `{changed or 'self.np_random'}`, which {_NOT_KEPT}."
             )
 
-    def amounts(self, index: int) -> dict[str, int]:
-        """Return how much the reward keeps for one simulation, by name; see `amount`."""
+    def amounts(self, index: int) -> dict[str, Amount]:
+        """Return how much the reward keeps for one simulation, by name (see `parts`)."""
         instance, fresh = self._instances[index], self._fresh[index]
         if instance is None:
             return {}
         own = vars(self._selves[index])
         kept = {f"self.{k}": one for k, one in own.items() if fresh.get(k, self) is not one}
-        return {name: amount(one, instance) for name, one in (kept | instance.names()).items()}
+        return {name: amount(one, instance) for name, one in (kept | parts(instance)).items()}
+
+    def marks(self, index: int) -> dict[str, bytes]:
+        """Return a digest of each thing that lasts for the training of one simulation, by name."""
+        instance = self._instances[index]
+        if instance is None:
+            return {}
+        return {name: mark(one, instance) for name, one in parts(instance).items()}
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the terms' statistics and what the reward keeps for each simulation.
@@ -283,7 +290,7 @@ def _robot_class(
         if name.startswith("__") or hasattr(type(self), name):
             # A property of that name has raised: let it say why once more.
             return object.__getattribute__(self, name)
-        raise missing.error("self", name, robot.__name__, lambda: dir(self))
+        raise missing.error("self", name, robot.__name__, lambda: names_for_rewards(self))
 
     attributes: dict[str, Any] = {
         "training_steps": property(lambda self: steps[0]),

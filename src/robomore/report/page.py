@@ -13,6 +13,7 @@ from jinja2.runtime import Context
 from markupsafe import Markup
 
 from robomore.errors import InvalidMorphology
+from robomore.options import settings_words
 from robomore.plain_files import cannot_write, write_plain
 from robomore.report.audit_words import in_sum
 from robomore.report.command import command_line
@@ -36,6 +37,7 @@ from robomore.runs import Run, load_run
 from robomore.runs.audits import audit_of
 from robomore.runs.grid import grids
 from robomore.runs.pareto import in_words
+from robomore.runs.slimmed import over_slimmed
 from robomore.runs.words import (
     duration,
     equation,
@@ -133,6 +135,8 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             audit=audit,
             audited=in_sum(audit, unit) if audit else (),
             grids=[(grid.stage.name, heatmap(grid, run.objective, unit)) for grid in grids(run)],
+            settings_words=settings_words(run.manifest.preset, run.manifest.settings),
+            slimmed=over_slimmed(run),
             stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
             best_so_far=best_so_far(run),
             off_the_scale=off_the_scale(run),

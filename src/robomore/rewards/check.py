@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from robomore.rewards.characters import check_characters
 from robomore.rewards.finding import Finding
 from robomore.rewards.module_rules import module_uses
-from robomore.rewards.rules import RULES, changed_imports, kept_attributes
+from robomore.rewards.rules import RULES, changed_imports, kept_attributes, never_at_the_start
 
 __all__ = ["LONGEST", "NAME", "Finding", "check_reward", "why_unparsed"]
 
@@ -71,9 +71,11 @@ def _check_function(tree: ast.Module) -> Iterator[Finding]:
         inner = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef) and n.name == NAME]
         line = inner[0].lineno if inner else 1
         where = ", and not inside a class or another function" if inner else ""
-        yield Finding(
-            line, "error", f"define `def {NAME}(self, x_velocity, action):` at the top level{where}"
-        )
+        said = f"define `def {NAME}(self, x_velocity, action):` at the top level{where}"
+        if not inner and (meant := _meant(tree)):
+            line, said = meant.lineno, f"rename `{meant.name}` to `{NAME}`, which training calls"
+            said += "" if _can_be_called(meant) else " with (self, x_velocity, action)"
+        yield Finding(line, "error", said)
         return
     for again in defined[1:]:
         yield Finding(again.lineno, "error", f"`{NAME}` is defined twice; keep one")
@@ -85,15 +87,34 @@ def _check_function(tree: ast.Module) -> Iterator[Finding]:
     yield from _check_signature(function)
     yield from _check_returns(function)
     yield from kept_attributes(function)
+    yield from never_at_the_start(function)
+
+
+def _meant(tree: ast.Module) -> ast.FunctionDef | None:
+    """Return the function that is the reward under another name, if it is plain which one is.
+
+    That is the only one that takes three arguments, or the only one of these that speaks of
+    rewards in its name, or the only function of all.
+    """
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    fitting = [node for node in functions if _can_be_called(node)]
+    called = [node for node in fitting if "rew" in node.name.lower()]
+    return next((one[0] for one in (fitting, called, functions) if len(one) == 1), None)
+
+
+def _can_be_called(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    """Whether a function can be given (self, x_velocity, action)."""
+    given = function.args
+    most = len(given.posonlyargs) + len(given.args)
+    required = most - len(given.defaults)
+    if any(default is None for default in given.kw_defaults):
+        return False
+    return required <= 3 and (most >= 3 or given.vararg is not None)
 
 
 def _check_signature(function: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[Finding]:
-    given = function.args
-    names = [argument.arg for argument in (*given.posonlyargs, *given.args)]
-    required = len(names) - len(given.defaults)
-    demanded = any(default is None for default in given.kw_defaults)
-    fits = required <= 3 <= len(names) or (given.vararg is not None and required <= 3)
-    if not fits or demanded:
+    names = [argument.arg for argument in (*function.args.posonlyargs, *function.args.args)]
+    if not _can_be_called(function):
         said = ", ".join(names)
         yield Finding(
             function.lineno, "error", f"`{NAME}` must take (self, x_velocity, action), not ({said})"

@@ -28,7 +28,7 @@ from robomore.plain_files import scratch_folder
 from robomore.rewards.check import NAME, Finding
 from robomore.rewards.continuation import check_continuation
 from robomore.rewards.dry_run_findings import Apart, Growth, Observed, Term, findings, morphologies
-from robomore.rewards.growth import amounts, growth
+from robomore.rewards.growth import amounts, growth, marks
 from robomore.rewards.load import load_reward
 from robomore.rewards.silent import line_now, silent_findings
 from robomore.sandbox.call import Containment, run_sandboxed
@@ -162,6 +162,7 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
         try:
             env.reset(int(random.integers(2**31)))
             actions = np.zeros((NUM_ENVS, env.action_size))
+            before = marks(env)
             for step in range(STEPS):
                 if not number and step == STEPS // 2:
                     halfway = amounts(env)
@@ -171,9 +172,10 @@ def observe(payload: bytes, scratch: Path, report: Callable[[int], None]) -> byt
                 if sum(record.seconds) > _MOST_SECONDS:
                     # Nothing else is tried either: the check below would take as long again.
                     return msgspec.json.encode(record.observed())
+            record.lasting |= {name for name, one in marks(env).items() if before.get(name) != one}
             if not number:
                 record.over = True
-                record.growth = growth(env, halfway, STEPS)
+                record.growth = growth(env, halfway, task.episode_steps)
                 record.over = False
         except UnstableSimulation:
             pass  # Not the reward's fault, and other morphologies move.
@@ -195,6 +197,7 @@ class _Record:
     hidden: dict[str, int] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
     growth: dict[str, Growth] = field(default_factory=dict)
+    lasting: set[str] = field(default_factory=set)
     apart: Apart | None = None
     over: bool = False
 
@@ -270,6 +273,7 @@ class _Record:
             hidden=self.hidden,
             missing=self.missing,
             growth=self.growth,
+            lasting=tuple(sorted(self.lasting)[:_MOST_TERMS]),
             apart=self.apart,
         )
 

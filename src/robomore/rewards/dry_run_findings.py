@@ -29,6 +29,7 @@ TINY, HUGE = 1e-100, 1e100
 """Training normalises rewards; those whose size lies outside it cannot."""
 _DIGITS = 1e-10
 """A reward whose values differ by less than this share of their size is as good as constant."""
+_ROUNDING = 1e-6
 _OUTLIER = 1e6
 """A reward that is so many times its usual size somewhere, is clipped there."""
 _NAMED = 3
@@ -60,14 +61,16 @@ class Growth:
     """Something that a reward keeps, and that was larger after each call.
 
     Attributes:
-        calls: of the reward when it was looked at.
-        amounts: numbers, letters and objects in it then.
-        seconds: processor time of a call then.
+        values: numbers, letters and objects that one call adds.
+        size: memory that one call adds, in bytes, roughly.
+        seconds: processor time of a call, after some hundred calls and after a thousand.
+        episode_steps: calls after which it starts anew; 0 if it never does.
     """
 
-    calls: tuple[int, int]
-    amounts: tuple[int, int]
+    values: float
+    size: float
     seconds: tuple[float, float]
+    episode_steps: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +105,7 @@ class Observed:
             the reward was finite all the same.
         missing: by attribute that was looked for in vain, what was probably meant.
         growth: by name of what is kept.
+        lasting: names of what is kept for the whole training, and was changed by calls.
         apart: calls whose terms do not add up to the reward; `None` if all do.
     """
 
@@ -116,6 +120,7 @@ class Observed:
     hidden: dict[str, int] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
     growth: dict[str, Growth] = field(default_factory=dict)
+    lasting: tuple[str, ...] = ()
     apart: Apart | None = None
 
 
@@ -218,19 +223,7 @@ def _about_terms(
         said = f"{_listed(faulty)} not always a finite number among the terms"
         found.append(Finding(line_of_term(faulty[0]), "warning", said))
     found += _unchanging(observed, line_of_term)
-    spreads = {name: term.spread for name, term in observed.terms.items() if term.spread > 0}
-    total = math.fsum(spreads.values())
-    # A constant, such as a bonus for being healthy, is no rival.
-    if len(spreads) > 1:
-        (name, largest), (second, less), *_ = sorted(spreads.items(), key=lambda item: -item[1])
-        if largest > _DOMINANT * total:
-            said = (
-                f"the term {name!r} dominates: under random actions it varies "
-                f"{largest / less:,.0f} times as much as the next one, {second!r} (standard "
-                f"deviations {largest:.3g} and {less:.3g}), so training follows {name!r} alone and "
-                "hardly notices the others; give it a smaller weight, or the others larger ones"
-            )
-            found.append(Finding(line_of_term(name), "warning", said))
+    found += _drowned(observed, line_of_term)
     if observed.apart:
         it = observed.apart
         said = (
@@ -241,6 +234,46 @@ def _about_terms(
         )
         found.append(Finding(line, "note", said))
     return found
+
+
+def _drowned(observed: Observed, line_of_term: Callable[[str], int]) -> list[Finding]:
+    """Tell of a term beside which another one that is to be followed is not noticed.
+
+    A small cost of control or a small bonus beside the term that drives the robot is as it should
+    be, and official rewards have them. What must not drown is a term that drives: one that is no
+    cost (never above 0) and no bonus.
+    """
+    varying = {name: term for name, term in observed.terms.items() if term.spread > 0}
+    total = math.fsum(term.spread for term in varying.values())
+    # A constant, such as a bonus for being healthy, is no rival.
+    largest = max(varying, key=lambda name: varying[name].spread, default="")
+    if not largest or varying[largest].spread <= _DOMINANT * total:
+        return []
+    drives = [name for name in varying if name != largest and _drives(varying[name])]
+    if not drives:
+        return []
+    second = max(drives, key=lambda name: varying[name].spread)
+    above, below = varying[largest].spread, varying[second].spread
+    said = (
+        f"the term {largest!r} dominates: under random actions it varies {above / below:,.0f} "
+        f"times as much as {second!r} (standard deviations {above:.3g} and {below:.3g}), so "
+        f"training follows {largest!r} alone and hardly notices {second!r}; give the former a "
+        "smaller weight, or the latter a larger one"
+    )
+    return [Finding(line_of_term(largest), "warning", said)]
+
+
+def _drives(term: Term) -> bool:
+    """Whether a term is neither a cost nor a bonus.
+
+    A bonus is never negative, and is mostly paid: it varies by less than its mean. Or it has two
+    values, which alone vary as much as their bounds allow.
+    """
+    if term.high <= 0:
+        return False
+    most = math.sqrt(max(0.0, (term.high - term.mean) * (term.mean - term.low)))
+    two_values = term.spread > (1 - _ROUNDING) * most
+    return term.low < 0 or not (two_values or term.spread < term.mean)
 
 
 def _unchanging(observed: Observed, line_of_term: Callable[[str], int]) -> list[Finding]:

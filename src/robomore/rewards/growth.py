@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 
+from robomore.envs.reward_amount import Amount
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import RewardFailed
 from robomore.rewards.dry_run_findings import Growth
@@ -17,12 +18,17 @@ _SHARE = 0.9
 """What grows by less than so many values a call is not told of."""
 
 
-def amounts(env: VectorEnv) -> dict[str, int]:
+def amounts(env: VectorEnv) -> dict[str, Amount]:
     """Return how much the reward keeps for the first simulation, by name."""
     return env.reward_runner.amounts(0) if env.reward_runner is not None else {}
 
 
-def growth(env: VectorEnv, before: dict[str, int], steps: int) -> dict[str, Growth]:
+def marks(env: VectorEnv) -> dict[str, bytes]:
+    """Return what the reward keeps for the training of the first simulation, as digests by name."""
+    return env.reward_runner.marks(0) if env.reward_runner is not None else {}
+
+
+def growth(env: VectorEnv, before: dict[str, Amount], episode_steps: int) -> dict[str, Growth]:
     """Return what grows with every call of the reward.
 
     The simulations stand still while it is called, but their time goes on. They cannot be used
@@ -31,10 +37,11 @@ def growth(env: VectorEnv, before: dict[str, int], steps: int) -> dict[str, Grow
     Args:
         env: after some steps.
         before: amounts after half of these steps.
-        steps: that were done.
+        episode_steps: of the task.
     """
     now, runner = amounts(env), env.reward_runner
-    suspects = [name for name, held in now.items() if held > before.get(name, 0)]
+    none = Amount()
+    suspects = [name for name, held in now.items() if held.values > before.get(name, none).values]
     if not suspects or runner is None:
         return {}
     seen, seconds = [now], [0.0]
@@ -53,9 +60,16 @@ def growth(env: VectorEnv, before: dict[str, int], steps: int) -> dict[str, Grow
             seen.append(amounts(env))
     except RewardFailed:
         return {}  # The same state twice is not what a reward has to expect.
-    calls = (steps + CALLS, steps + 2 * CALLS)
-    return {
-        name: Growth(calls, (seen[1][name], seen[2][name]), (seconds[1], seconds[2]))
-        for name in suspects
-        if seen[2].get(name, 0) - seen[1].get(name, 0) > _SHARE * CALLS and name in seen[1]
-    }
+    found = {}
+    for name in suspects:
+        if name in seen[1] and name in seen[2]:
+            values = seen[2][name].values - seen[1][name].values
+            size = seen[2][name].size - seen[1][name].size
+            if values > _SHARE * CALLS:
+                found[name] = Growth(
+                    values / CALLS,
+                    max(size, 0) / CALLS,
+                    (seconds[1], seconds[2]),
+                    episode_steps if name.startswith("self.") else 0,
+                )
+    return found

@@ -140,12 +140,7 @@ _WAYS_OUT = (ast.Break, ast.Return, ast.Raise, ast.Yield)
 def _statements(node: ast.AST) -> Iterator[Finding]:
     match node:
         case ast.Global(names=names) | ast.Nonlocal(names=names):
-            yield Finding(
-                node.lineno,
-                "note",
-                f"keeps `{', '.join(names)}` for the whole training, one in each simulation; what "
-                "should start anew with each episode belongs in an attribute of `self`",
-            )
+            yield Finding(node.lineno, "note", kept_for_training(f"`{', '.join(names)}`"))
         case ast.While(test=ast.Constant(value=value)) if value and not any(
             isinstance(inner, _WAYS_OUT) for inner in ast.walk(node)
         ):
@@ -217,6 +212,76 @@ def changed_imports(tree: ast.Module) -> Iterator[Finding]:
             path = path_of(node)
             if path and path[0] in imported:
                 yield Finding(node.lineno, "error", f"changes `{'.'.join(path[:2])}` for everybody")
+
+
+def kept_for_training(what: str) -> str:
+    """Return the message about what a reward keeps elsewhere than in `self`."""
+    return (
+        f"keeps {what} for the whole training, one in each simulation; what should start anew with "
+        "each episode belongs in an attribute of `self`"
+    )
+
+
+_NO_TIME = 1e-6
+"""Far less than any control step takes, in s."""
+
+
+def never_at_the_start(function: ast.AST) -> Iterator[Finding]:
+    """Note each question whether the time in an episode is 0: it never is when a reward is called.
+
+    Args:
+        function: the definition of `_get_rew`.
+    """
+    given: dict[str, list[bool]] = {}
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign | ast.AugAssign | ast.AnnAssign | ast.For | ast.NamedExpr):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            value = None if isinstance(node, ast.For | ast.AugAssign) else node.value
+            for one in (inner for target in targets for inner in ast.walk(target)):
+                if isinstance(one, ast.Name):
+                    given.setdefault(one.id, []).append(_is_time(value))
+    names = {name for name, times in given.items() if all(times)}
+
+    def time(node: ast.AST) -> bool:
+        return _is_time(node) or (isinstance(node, ast.Name) and node.id in names)
+
+    for node in ast.walk(function):
+        match node:
+            case ast.Compare(left=left, ops=[ast.Eq() | ast.LtE() | ast.Lt()], comparators=[right]):
+                never = time(left) and _is_nothing(right)
+                never |= isinstance(node.ops[0], ast.Eq) and time(right) and _is_nothing(left)
+            case ast.Compare(left=left, ops=[ast.GtE() | ast.Gt()], comparators=[right]):
+                never = time(right) and _is_nothing(left)
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                never = time(operand)
+            case _:
+                continue
+        if never:
+            yield Finding(
+                node.lineno,
+                "note",
+                "`self.data.time` is never 0 here, since a reward is called after each control "
+                "step, so this never holds; attributes of `self` start anew with each episode by "
+                "themselves",
+            )
+
+
+def _is_time(node: ast.AST | None) -> bool:
+    match node:
+        case ast.Call(func=ast.Name(id="float"), args=[inner]):
+            return _is_time(inner)
+        case ast.Attribute():
+            return path_of(node) == ["self", "data", "time"]
+    return False
+
+
+def _is_nothing(node: ast.AST) -> bool:
+    match node:
+        case ast.Constant(value=bool()):
+            return False
+        case ast.Constant(value=int() | float() as value):
+            return 0 <= value <= _NO_TIME
+    return False
 
 
 def kept_attributes(function: ast.AST) -> Iterator[Finding]:

@@ -9,10 +9,15 @@ from types import FrameType
 from robomore.envs.reward_program import NAME, REWARD_FILENAME
 from robomore.rewards.dry_run_findings import Observed
 from robomore.rewards.finding import Finding
-from robomore.rewards.paths import line_of
+from robomore.rewards.paths import line_of, path_of
+from robomore.rewards.rules import kept_for_training
 from robomore.text import one_line
+from robomore.types import Limits
 
 _LONGEST = 100
+_SLOWER, _NOTICED = 1.5, 5e-6
+"""How many times as long as before a call must take to be told of as slower, and how many seconds
+longer."""
 
 
 def line_now(frame: FrameType | None) -> int:
@@ -41,6 +46,7 @@ def silent_findings(observed: Observed, source: str) -> list[Finding]:
         *_hidden(observed, "nan_to_num" in source),
         *_missing(observed, tree),
         *_growth(observed, tree),
+        *_lasting(observed, tree),
     ]
 
 
@@ -80,13 +86,75 @@ def _missing(observed: Observed, tree: ast.Module) -> Iterator[Finding]:
 
 def _growth(observed: Observed, tree: ast.Module) -> Iterator[Finding]:
     for name, it in observed.growth.items():
-        lasts = "its episode" if name.startswith("self.") else "the whole training"
+        each = f"by {it.values:,.0f} value{'s' if round(it.values) != 1 else ''} a call"
+        if it.episode_steps:
+            most = f"{it.values * it.episode_steps:,.0f} values"
+            lasts = f"until its episode ends, {each}, to {most} after {it.episode_steps:,} steps"
+        else:
+            lasts = f"for the whole training, {each}{_full(it.size)}"
         first, last = it.seconds
+        slower = last > _SLOWER * first and last - first > _NOTICED
+        longer = ", and each call takes longer than the one before" if slower else ""
         yield Finding(
-            line_of(tree, name.rpartition(".")[2], NAME),
+            _line(tree, name),
             "warning",
-            f"`{one_line(name)[:_LONGEST]}` grows with every call for {lasts}: it held "
-            f"{it.amounts[0]:,} values after {it.calls[0]:,} calls and {it.amounts[1]:,} after "
-            f"{it.calls[1]:,}, and a call took {1e6 * first:.0f} µs, then {1e6 * last:.0f} µs; "
-            "keep a running value, or a `deque(maxlen=…)`",
+            f"{_shown(name)} grows with every call {lasts}{longer}; keep a running value, or a "
+            "`deque(maxlen=…)`",
         )
+
+
+def _full(size: float) -> str:
+    """Return after how many steps a training's memory is full, if a call adds `size` bytes."""
+    if size <= 0:
+        return ""
+    most = Limits().memory_bytes
+    steps = int(float(f"{most / size:.2g}"))
+    return (
+        f" ({size:,.0f} bytes): the {most / 2**30:g} GiB of an evaluation would be full after some "
+        f"{steps:,} control steps"
+    )
+
+
+def _lasting(observed: Observed, tree: ast.Module) -> Iterator[Finding]:
+    """Tell what a call has changed outside of `self`, where nothing else has told it."""
+    told = {
+        name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Global | ast.Nonlocal)
+        for name in node.names
+    }
+    for name in observed.lasting:
+        if name not in told and name not in observed.growth:
+            yield Finding(_line(tree, name), "note", kept_for_training(_shown(name)))
+
+
+def _shown(name: str) -> str:
+    """Return how a name of `robomore.envs.reward_amount.parts` is said."""
+    name = one_line(name)[:_LONGEST]
+    function, argument = _argument(name)
+    return f"the default argument `{argument}` of `{function}`" if argument else f"`{name}`"
+
+
+def _line(tree: ast.Module, name: str) -> int:
+    function, argument = _argument(name)
+    if not argument:
+        path = name.split(".")
+        written = [
+            node.lineno
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Attribute) and path_of(node) == path
+        ]
+        return min(written, default=line_of(tree, path[-1], NAME))
+    lines = [
+        one.lineno
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef) and node.name == function
+        for one in ast.walk(node.args)
+        if isinstance(one, ast.arg) and one.arg == argument
+    ]
+    return min(lines, default=line_of(tree, "", NAME))
+
+
+def _argument(name: str) -> tuple[str, str]:
+    function, _, argument = name.partition("(")
+    return function, argument.removesuffix("=…)")

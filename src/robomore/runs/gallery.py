@@ -14,6 +14,7 @@ from statistics import fmean
 import msgspec
 
 from robomore.errors import InputError
+from robomore.options import settings_words
 from robomore.plain_files import PlainFolder, is_plain_name
 from robomore.runs.audits import audit_beside, audit_of
 from robomore.runs.loading import stored_task
@@ -35,6 +36,7 @@ class Origin:
 
     Attributes:
         preset: name of the run's settings.
+        settings: the same in words; empty in entries of older versions.
         method: search method.
         designer: who proposed; empty for a method that asks nobody.
         provenance: the same as one sentence.
@@ -47,6 +49,7 @@ class Origin:
     """
 
     preset: str = ""
+    settings: str = ""
     method: str = ""
     designer: str = ""
     provenance: str = ""
@@ -174,6 +177,7 @@ def add_entry(run: Run, gallery: Path) -> Path:
     manifest = run.manifest
     origin = Origin(
         preset=manifest.preset,
+        settings=settings_words(manifest.preset, manifest.settings),
         method=manifest.settings.method.name,
         designer=manifest.designer,
         provenance=manifest.provenance,

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from robomore.runs.bounds import at_bounds
 from robomore.runs.lineage import best_of
+from robomore.runs.slimmed import slim_scale
 from robomore.runs.words import in_unit, number
 from robomore.statistics.spread import FEWEST
-from robomore.tasks.unit_space import UnitSpace
 
 if TYPE_CHECKING:
     from robomore.runs.run import Run
@@ -21,10 +19,6 @@ STEEL = 7850.0
 
 _NAMED = 3
 """Empty slots that are named."""
-_SLIM = 0.95
-"""Radii scaled by more than this are not slim."""
-_ROUNDING = 1e-4
-"""Difference in m between two scaled radii that is rounding."""
 _WINNERS_CURSE = 0.7
 """Trained anew below this share of what the search saw, the search was lucky."""
 
@@ -154,14 +148,8 @@ def _about_audits(run: Run) -> list[str]:
 
 def _about_slimness(run: Run, champion: TrainedDesign) -> list[str]:
     """Say so if the morphology is the reference's with other radii, which nobody had to invent."""
-    reference = np.array(run.task.reference)
-    found = np.array(champion.design.morphology.parameters)
-    radii = UnitSpace(run.task).radii
-    if not radii.any() or not np.array_equal(found[~radii], reference[~radii]):
-        return []
-    scales = found[radii] / reference[radii]
-    scale = float(scales.mean())
-    if scale > _SLIM or np.abs(found[radii] - scale * reference[radii]).max() > _ROUNDING:
+    scale = slim_scale(run.task, champion.design.morphology.parameters)
+    if scale is None:
         return []
     return [
         f"Its morphology is the reference's with all radii scaled by {scale:.3g}, as "

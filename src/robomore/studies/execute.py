@@ -83,6 +83,7 @@ def run_study(
     containment: str | None = None,
     side_by_side: int = 1,
     tell: Callable[[int, Cell], Observer] = lambda index, cell: ignore,
+    ended: Callable[[int, Cell, Run], None] = lambda index, cell, run: None,
 ) -> Results:
     """Run what is missing of a study; tables and figures are written at the end.
 
@@ -98,6 +99,7 @@ def run_study(
             at the end of each of its batches, and one cell alone keeps only a few workers busy.
             The numbers do not depend on it. The executor must take calls from several threads.
         tell: is called before each cell, and returns who observes its run.
+        ended: is called after each cell, with its run.
 
     Raises:
         InputError: something asked for cannot be done.
@@ -134,6 +136,8 @@ def run_study(
                 except NothingTrained:
                     # Its ledger tells why; the tables tell how many runs found something.
                     found = load_run(folder)
+            ended(index, cell, found)
+            finished.append(index)
             return cell, found
 
         def all_of(chosen: Callable[[Cell], bool]) -> list[tuple[Cell, Run]]:
@@ -144,17 +148,19 @@ def run_study(
             ]
             return thread_map(side_by_side)(calls)
 
+        finished: list[int] = []
         searches: list[tuple[Cell, Run]] = []
         try:
             searches = all_of(lambda cell: cell.retrains is None)
             again = all_of(lambda cell: cell.retrains is not None)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, Interrupted):
             raise Interrupted(
-                f"stopped; what is finished is kept in {out}, and the same command goes on"
+                f"stopped; {len(finished)} of {len(cells)} runs are done and kept in {out}, and "
+                "the same command goes on from there, also with a run that is half done"
             ) from None
     order = {cell.folder: index for index, cell in enumerate(cells)}
-    ended = sorted(searches + again, key=lambda one: order[one[0].folder])
-    results = Results(tuple(ended), remeasure((run for _, run in ended), out))
+    all_done = sorted(searches + again, key=lambda one: order[one[0].folder])
+    results = Results(tuple(all_done), remeasure((run for _, run in all_done), out))
     write_results(study, results, out)
     return results
 

@@ -10,8 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from robomore.options import with_options
 from robomore.runs import Run
+from robomore.search import SearchContext, make_method
+from robomore.search.final import stage as final_stage
 from robomore.settings import RunSettings
 from robomore.studies.table import Table
+from robomore.tasks import get_task
+from robomore.types import Design, Morphology, Reward
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,6 +67,25 @@ class Cell:
     def folder(self) -> Path:
         """Where its run lies in the study's folder."""
         return Path("cells") / f"{self.task}-{self.arm.name}-s{self.seed}"
+
+    @property
+    def most_steps(self) -> tuple[int, int]:
+        """The most control steps of its search, and those of its final."""
+        task, candidate = get_task(self.task), self.settings.candidate
+        reference = Design(Morphology(task.reference, ""), Reward(task.reward, ""))
+        context = SearchContext(
+            task=task,
+            reference=reference,
+            candidate=candidate,
+            evaluations=self.settings.evaluations,
+            objective=self.settings.objective,
+            seed=self.seed,
+        )
+        search = candidate.steps
+        if self.retrains is None:
+            stages = make_method(self.settings.method).plan(context).stages
+            search = min(self.budget_steps, sum(stage.steps for stage in stages))
+        return search, final_stage(self.settings.final).steps
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,7 @@ def test_all_errors_of_the_code_come_at_once_with_their_lines() -> None:
     with pytest.raises(InvalidReply) as caught:
         parse_reward("import os\nimport sys\ndef reward(a):\n    return 1\n")
     errors = caught.value.errors
-    assert [fault.split(":")[0] for fault in errors[:2]] == ["line 1", "line 1"]
+    assert [fault.split(":")[0] for fault in errors[:2]] == ["line 1", "line 2"]
     assert any("`os`" in fault for fault in errors) and any("`sys`" in fault for fault in errors)
     assert any("`reward`" in fault for fault in errors)
 

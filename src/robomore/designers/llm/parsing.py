@@ -80,7 +80,7 @@ def parse_reward(
     except NotFound as error:
         raise InvalidReply([*_truncation(truncated), str(error)]) from None
     errors = _truncation(truncated and not closed)
-    errors += [*error_messages(check(code)), *_wrong_name(code)]
+    errors += error_messages(check(code))
     if errors:
         raise InvalidReply(errors)
     normalized = _normalized(code)
@@ -132,17 +132,6 @@ def _same(one: Sequence[float], other: Sequence[float]) -> bool:
     return len(one) == len(other) and all(
         abs(a - b) <= 1e-6 * max(abs(a), abs(b)) for a, b in zip(one, other, strict=True)
     )
-
-
-def _wrong_name(code: str) -> list[str]:
-    """Return an error if the code defines functions, but not the one with the right name."""
-    tree = _tree(code)
-    if tree is None:
-        return []
-    names = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
-    if names and NAME not in names:
-        return [f"the function is called `{names[-1]}`; call it `{NAME}`"]
-    return []
 
 
 def _normalized(code: str) -> str:
