@@ -12,7 +12,7 @@ from robomore.store.audit import Verdict
 
 FAILS_BELOW, WARNS_BELOW = 0.5, 0.7
 """Fractions of the distance that are left. Half-Cheetah's task uses an integrator of first order;
-with one of fourth order, its human design keeps 75 %."""
+with one of fourth order, two policies of its human design kept 75 and 96 %."""
 
 
 def check(subject: Subject) -> Verdict:

@@ -10,7 +10,7 @@ DEEP = 1.0
 """Depth in radii from which on a limb is deep: its middle line is below the surface."""
 FAILS_ABOVE, WARNS_ABOVE = 0.1, 0.05
 """Fractions of the time in which some limb is deep. Contacts are soft, and the official
-robots' feet are deep in hard landings: Half-Cheetah's for 0.3 % of the time, Hopper's for 4.9 %."""
+robots' feet are deep in hard landings: Half-Cheetah's for 0.2 % of the time, Hopper's for 5.5 %."""
 
 
 def check(subject: Subject) -> Verdict:
