@@ -22,7 +22,7 @@ from robomore.store.rundir import TASK_CONTENT
 from robomore.tasks import Task
 from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import MOST_CONTENT, task_from_content
-from robomore.tasks.registry import known_task, remember
+from robomore.tasks.registry import known_task, refuse_taken
 
 ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
 """Groups of the final, as a run's last event names them."""
@@ -89,13 +89,15 @@ def stored_task(files: PlainFolder, id: str) -> Task:
     """Return the task whose content stands in a folder, or else the installed one of that id.
 
     Raises:
-        InputError: there is none, its content is damaged, or MuJoCo needs too much to compile it.
+        InputError: there is none, its content is damaged, it has the id of an installed task, or
+            MuJoCo needs too much to compile it.
     """
     if files.is_file(TASK_CONTENT):
         content = files.read(TASK_CONTENT, MOST_CONTENT)
         task = task_from_content(content, trusted=False)
         compile_content(content)
-        return remember(task)
+        refuse_taken(task)
+        return task
     return known_task(id)
 
 
