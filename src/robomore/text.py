@@ -32,6 +32,11 @@ def one_line(text: str) -> str:
     return " ".join(sanitize(text).split())
 
 
+def shortened(text: str, most: int = 100) -> str:
+    """Return `text` cut to `most` characters, for where a picture has room for no more."""
+    return text if len(text) <= most else f"{text[: most - 1]}\N{HORIZONTAL ELLIPSIS}"
+
+
 def encodable(text: str) -> str:
     """Return `text` with lone surrogates replaced, which no file and no message can hold."""
     return text if text.isascii() else _SURROGATE.sub(_REPLACEMENT, text)

@@ -18,6 +18,10 @@ from robomore.text import encodable, one_line
 _NAME = re.compile(r"\w[\w.-]{0,99}", re.ASCII)
 """Keys of evaluations, which are names of folders too."""
 _MOST_STEPS = 2**53
+_LARGEST = 1e12
+"""Far from every length, angle and strength of a robot."""
+_NOTHING = 1e-100
+"""A smaller fitness is 0: its products and logarithms are no numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +32,8 @@ class Morphology:
     idea: str = ""
 
     def __post_init__(self) -> None:
+        if not all(abs(value) <= _LARGEST for value in self.parameters):  # not a number either
+            raise ValueError(f"a parameter is not from -1e12 to {_LARGEST:g}; no robot has that")
         object.__setattr__(self, "idea", one_line(self.idea))
 
 
@@ -250,6 +256,9 @@ class Evaluation:
             ValueError: a number that is not finite, a name of a file that is no plain component of
                 a path, or a name of a value that is not one line of text.
         """
+        for name in ("fitness", "efficiency"):
+            if (value := getattr(self, name)) is not None and abs(value) < _NOTHING:
+                object.__setattr__(self, name, 0.0)
         numbers = (
             *(x for x in (self.fitness, self.volume, self.efficiency) if x is not None),
             *(*self.episode_fitness, *self.body.values(), *self.behaviour.values(), self.seconds),

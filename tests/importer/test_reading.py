@@ -77,3 +77,20 @@ def test_repeated_legs_form_groups(tmp_path: Path) -> None:
 )
 def test_a_kind_is_a_name_without_its_side(name: str, what: str) -> None:
     assert kind(name) == what
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('"FL_calf"', '"{leg}"', r"a <body> has name='{leg}'; braces stand for numbers"),
+        ('"FL_upper"', '"{__import__}"', r"dog.xml: a <geom> has name='{__import__}'"),
+        ('"RR_knee"', '"knee}"', r"='knee}'; .* without braces wherever the file has it"),
+        ('model="dog"', 'model="{1 + 1}"', r"a <mujoco> has model='{1 \+ 1}'"),
+    ],
+)
+def test_names_that_would_be_placeholders_are_refused(
+    tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    assert old in DOG
+    with pytest.raises(InputError, match=said):
+        read_robot(write_dog(tmp_path, DOG.replace(old, new)))

@@ -145,6 +145,16 @@ def test_a_fitness_of_ones_own_runs_for_its_author_alone(dog: Path) -> None:
 
 
 MISTAKES = {
+    "a title without end": (
+        'title = "',
+        'title = "' + "x" * 201,
+        r"title has 20\d characters; give 200",
+    ),
+    "a text without end": (
+        'meaning = "',
+        'meaning = "' + "x" * 1_001,
+        r"thigh_length: its meaning has 1,\d+ characters; give 1,000 at most",
+    ),
     "an unknown measure": ('"distance"', '"energetic"', "no .* is called 'energetic'"),
     "an unknown line": (
         "control_hz",

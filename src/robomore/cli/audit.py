@@ -42,35 +42,36 @@ def audit(
     """
     from robomore.report.audit_words import as_markdown
     from robomore.store import RunFolder
-    from robomore.tasks.registry import known_task
 
     if as_json and markdown:
         raise InputError("give --json or --markdown, not both")
     if RunFolder(design).manifest.is_file():
         from robomore.experiment.auditing import audit_run
+        from robomore.runs.loading import stored_task
 
         found = audit_run(design, evaluation)
+        task = stored_task(RunFolder(design).files, found.task)
     else:
         from robomore.cli.trained_design import find_policies
         from robomore.experiment.auditing import audit_design
 
         (one,) = find_policies(design, evaluation)
-        found = audit_design(one.folder, one.task, one.parameters, one.policy)
+        task = one.task
+        found = audit_design(one.folder, task, one.parameters, one.policy)
     if as_json:
         write_json(found.as_data())
     elif markdown:
-        write(as_markdown(found, known_task(found.task).goal.unit))
+        write(as_markdown(found, task.goal.unit))
     else:
-        print_audit(found)
+        print_audit(found, task.goal.unit)
     return 0 if found.passes else 1
 
 
-def print_audit(found: Audit) -> None:
-    """Print the verdicts as a table, and what they come to."""
+def print_audit(found: Audit, unit: str) -> None:
+    """Print the verdicts as a table, and what they come to; `unit` is that of the fitness."""
     from rich.table import Table
 
     from robomore.report.audit_words import in_sum
-    from robomore.tasks.registry import known_task
 
     screen = console()
     table = Table(box=None, pad_edge=False, show_header=False)
@@ -80,5 +81,5 @@ def print_audit(found: Audit) -> None:
         table.add_row(one.outcome, one.check, one.says, style=_COLOURS[one.outcome])
     screen.print(table)
     screen.print()
-    for line in in_sum(found, known_task(found.task).goal.unit):
+    for line in in_sum(found, unit):
         screen.print(line)

@@ -113,7 +113,7 @@ def show_entry(folder: Path, as_json: bool) -> None:
     if one.audit is None:
         screen.print("It is not audited.")
     else:
-        print_audit(one.audit)
+        print_audit(one.audit, unit)
 
 
 def _over_reference(one: Entry) -> float | None:

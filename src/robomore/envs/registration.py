@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import gymnasium
 
     from robomore.envs.robots.base import RewardFunction, RobotEnvironment
+    from robomore.tasks.task import Task
 
 ENVIRONMENTS = {
     "Ant": "ant",
@@ -70,7 +71,7 @@ def make_limited_environment(task: str, **options: Any) -> gymnasium.Env[Any, An
 
 
 def make_environment(
-    task: str,
+    task: Task | str,
     parameters: Sequence[float] | Mapping[str, float] | str = "reference",
     reward: RewardFunction | str = "reference",
     render_mode: str | None = None,
@@ -79,7 +80,7 @@ def make_environment(
     """Return the environment of one morphology.
 
     Args:
-        task: id of the task.
+        task: the task, or its id.
         parameters: in the task's order, by name, or `reference`.
         reward: a function `(self, x_velocity, action) -> (number, terms)`, the text of a module
             that defines `_get_rew`, or `reference`. Text is executed in this process.
@@ -94,7 +95,7 @@ def make_environment(
     from robomore.errors import InvalidMorphology
     from robomore.tasks.registry import get_task
 
-    chosen = get_task(task)
+    chosen = get_task(task) if isinstance(task, str) else task
     if isinstance(parameters, str):
         if parameters != "reference":
             raise InvalidMorphology(f"parameters are 'reference' or numbers, not {parameters!r}")

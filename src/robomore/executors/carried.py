@@ -6,21 +6,56 @@ sizes, and only plain files are made of it again.
 
 from __future__ import annotations
 
+import os
+import stat
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 import msgspec
 
+from robomore.errors import UnfitWorker
 from robomore.plain_files import PlainFolder, is_plain_name
 
 _MOST_BYTES = 2 * 2**30
 """Of a folder that is carried; a larger one stays behind."""
 _MOST_FILES = 16
+_OTHERS = stat.S_IRWXG | stat.S_IRWXO
+"""Rights of anybody but the owner."""
 
 
-def carried_folder(name: str) -> Path:
-    """Return where a job finds the folder that is carried to it under that name."""
-    return Path(tempfile.gettempdir()) / "carried" / name
+def carried_folder(name: str, above: Path | None = None) -> Path:
+    """Return where a job finds the folder that is carried to it under that name.
+
+    It lies in a folder that nobody but this user can write to, which is made if it is missing: on a
+    machine that many people share, anybody can put something of that name into `/tmp` before.
+
+    Args:
+        name: one component of a path.
+        above: folder for temporary files of whoever runs the job; the usual one by default.
+
+    Raises:
+        UnfitWorker: that folder is somebody else's, a link, or open to others.
+        ValueError: the name is no plain one.
+    """
+    if not is_plain_name(name):
+        raise ValueError(f"{name!r} is no name of a carried folder")
+    user = os.geteuid()
+    folder = (above or Path(tempfile.gettempdir())) / f"robomore-carried-{user}"
+    try:
+        with suppress(FileExistsError):
+            folder.mkdir(mode=0o700)
+        facts = folder.lstat()
+    except OSError as error:
+        raise UnfitWorker(
+            f"{folder} cannot be made ({error.strerror}); set TMPDIR to a folder of your own"
+        ) from None
+    if not stat.S_ISDIR(facts.st_mode) or facts.st_uid != user or facts.st_mode & _OTHERS:
+        raise UnfitWorker(
+            f"{folder} is no folder that only you can use, so others could change what a job "
+            "continues from; remove it, or set TMPDIR to a folder of your own"
+        )
+    return folder / name
 
 
 def packed(folder: Path) -> bytes | None:
@@ -54,7 +89,8 @@ def unpack(content: bytes, folder: Path) -> None:
         raise ValueError("names that are no plain names, or too many of them")
     if end + 1 + sum(size for _, size in listed) != len(content):
         raise ValueError("the sizes do not add up")
-    folder.mkdir(parents=True, exist_ok=True)
+    with suppress(FileExistsError):
+        folder.mkdir(mode=0o700)
     files = PlainFolder(folder, follow=False)
     begin = end + 1
     for name, size in listed:

@@ -20,7 +20,7 @@ from pathlib import Path
 import msgspec
 
 from robomore.errors import RunFolderError
-from robomore.executors.carried import packed, unpack
+from robomore.executors.carried import carried_folder, packed, unpack
 from robomore.executors.executor import Done, Failed, Outcome
 from robomore.executors.worker_process import WorkerProcess
 from robomore.plain_files import PlainFolder
@@ -81,7 +81,7 @@ def serve(
         yield to_json(Started(_node()))
         if content is not None:
             with suppress(ValueError, OSError):  # What cannot be read is done again.
-                unpack(content, here.carried / folder)
+                unpack(content, carried_folder(folder, here.folder))
         messages: queue.SimpleQueue[int | Outcome] = queue.SimpleQueue()
 
         def work() -> None:
@@ -100,7 +100,7 @@ def serve(
     left = None
     if leave and isinstance(outcome, Done):
         with suppress(OSError, RunFolderError):  # Then a later job begins anew.
-            left = packed(here.carried / folder)
+            left = packed(carried_folder(folder, here.folder))
     here.clean()
     printed = here.worker.printed()
     if isinstance(outcome, Failed):
@@ -121,7 +121,6 @@ class _Here:
     def __init__(self) -> None:
         _remove_left_over()
         self.folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
-        self.carried = self.folder / "carried"
         self.worker = WorkerProcess({"TMPDIR": str(self.folder)})
         atexit.register(self.close)
 

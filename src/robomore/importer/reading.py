@@ -22,7 +22,7 @@ from robomore.importer.first_compile import (
     compile_first,
 )
 from robomore.importer.ranges import within_ranges
-from robomore.importer.xml_faults import xml_fault
+from robomore.importer.xml_faults import refuse_braces, xml_fault
 from robomore.plain_files import what_stands_at
 from robomore.suggestions import path_meant
 from robomore.tasks.meshes import MOST_BYTES, check_meshes
@@ -122,7 +122,9 @@ def _read(path: Path, base: str | None) -> Robot:
             warnings.simplefilter("ignore")
             spec.compile()
             text = spec.to_xml()
-        check_sizes(path.name, ET.fromstring(text))
+        tree = ET.fromstring(text)
+        refuse_braces(path, tree)
+        check_sizes(path.name, tree)
         check_amounts(str(path), mujoco.MjSpec.from_string(text, assets=assets).compile())
     except (ValueError, OSError) as error:
         raise InputError(xml_fault(path, error)) from None

@@ -1,9 +1,12 @@
-"""Says in one line, with the place, what MuJoCo finds wrong with a robot's file."""
+"""Says in one line, with the place, what is wrong with a robot's file, above all to MuJoCo."""
 
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ET
 from pathlib import Path
+
+from robomore.errors import InputError
 
 _LONGEST = 1_000
 """Characters of what MuJoCo says: it repeats names of any length."""
@@ -35,3 +38,23 @@ def xml_fault(path: Path, error: Exception) -> str:
     # Where nothing is known of the place, all that is said may help.
     told = what + part if where or part else " ".join(said.split())
     return f"{path}{where}: MuJoCo does not read it: {told}; correct the file"
+
+
+def refuse_braces(path: Path, root: ET.Element) -> None:
+    """Refuse a robot whose own texts would be taken for the placeholders of a template.
+
+    Args:
+        path: of the robot's file.
+        root: of the robot as MJCF.
+
+    Raises:
+        InputError: naming the text.
+    """
+    for element in root.iter():
+        for attribute, text in element.attrib.items():
+            if "{" in text or "}" in text:
+                raise InputError(
+                    f"{path}: a <{element.tag}> has {attribute}={text[:80]!r}; braces stand for "
+                    "numbers in a task's template, so write this without braces wherever the file "
+                    "has it"
+                )

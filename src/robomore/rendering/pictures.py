@@ -13,6 +13,7 @@ import numpy as np
 from robomore.errors import InputError
 from robomore.plain_files import cannot_write
 from robomore.rendering.drawing import Array, Scene, Stroke, nice_length
+from robomore.text import shortened
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -169,7 +170,7 @@ def image(scene: Scene, frame: Frame, caption: str = "", smooth: int = 2) -> Ima
     font = ImageFont.load_default(13.0 * smooth)
     pen.text(((x1 + x2) / 2, y1 - 4 * smooth), f"{length:g} m", "#444444", font, anchor="ms")
     if caption:
-        pen.text((12 * smooth, 12 * smooth), caption, "#222222", font)
+        pen.text((12 * smooth, 12 * smooth), shortened(caption, 200), "#222222", font)
     return picture.resize((frame.width, frame.height), Images.Resampling.BOX)
 
 

@@ -30,6 +30,7 @@ from robomore.rendering.drawing import (
 from robomore.rendering.pictures import Frame, image
 from robomore.rendering.recording import Recording
 from robomore.tasks.portable import task_content
+from robomore.text import shortened
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -276,7 +277,7 @@ def _label(
 
 
 def _caption(recording: Recording, seconds: float, x: float) -> str:
-    return f"{recording.title}   {seconds:5.1f} s   x = {x:.1f} m"
+    return f"{shortened(recording.title)}   {seconds:5.1f} s   x = {x:.1f} m"
 
 
 def _thinnest(recordings: Sequence[Recording], metres: float) -> float:

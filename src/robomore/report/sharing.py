@@ -7,6 +7,8 @@ import io
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from robomore.text import shortened
+
 if TYPE_CHECKING:
     from robomore.rendering.drawing import Scene
 
@@ -35,7 +37,7 @@ def share_image(scenes: Mapping[str, Scene], title: str) -> str:
         canvas.paste(image(scene, frame), (number * width, top))
         font = ImageFont.load_default(26.0)
         pen.text((number * width + 40, top), name, "#55585f", font)
-    pen.text((40, 28), title, "#1d1f24", ImageFont.load_default(38.0))
+    pen.text((40, 28), shortened(title), "#1d1f24", ImageFont.load_default(38.0))
     file = io.BytesIO()
     canvas.quantize(32).save(file, "PNG", optimize=True)
     return f"data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"

@@ -111,18 +111,21 @@ class Axis:
 
 _BEYOND = 1e100
 """No axis goes further; what lies beyond stands at its end."""
+_NOTHING = 1 / _BEYOND
+"""No axis is shorter, and no logarithmic one goes lower: steps of it would be no numbers."""
 
 
 def axis_around(values: Sequence[float], start: float, end: float, log: bool = False) -> Axis:
     """Return an axis that holds all values with some air; linear where `log` cannot be."""
     # The difference of larger numbers may be none.
     low, high = (min(max(end, -_BEYOND), _BEYOND) for end in (min(values), max(values)))
-    if log and low > 0:
+    if log and high > _NOTHING and low > 0:
+        low = max(low, _NOTHING)
         if high < 1.2 * low:
             low, high = low / 1.2, high * 1.2
         air = (high / low) ** 0.06
         return Axis(low / air, high * air, start, end, log=True)
-    if low == high:
+    if high - low <= _NOTHING:
         low, high = low - max(1.0, abs(low)) * 0.1, high + max(1.0, abs(high)) * 0.1
     air = 0.06 * (high - low)
     return Axis(low - air, high + air, start, end)

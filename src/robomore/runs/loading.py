@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any
 from robomore.errors import InputError, RunFolderError
 from robomore.importer.first_compile import compile_content
 from robomore.plain_files import PlainFolder
+from robomore.plan import Plan
 from robomore.runs.empty import empty_slots
 from robomore.runs.lineage import Record, best_of
 from robomore.runs.run import Run
@@ -22,7 +23,8 @@ from robomore.store.rundir import TASK_CONTENT
 from robomore.tasks import Task
 from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import MOST_CONTENT, task_from_content
-from robomore.tasks.registry import known_task, remember
+from robomore.tasks.registry import known_task, refuse_taken
+from robomore.types import Place
 
 ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
 """Groups of the final, as a run's last event names them."""
@@ -50,6 +52,7 @@ def load_run(folder: str | Path) -> Run:
     with closing(LedgerExchanges(files.ledger, read_only=True)) as exchanges:
         spending = exchanges.spent()
     plan = manifest.plan
+    _refuse_misfits(path, plan, [*(place for place, _ in placed), *untried])
     records = tuple(
         # A resumed run asks again from the start, so the ledger's own order may be half old.
         sorted((Record(*pair) for pair in placed), key=lambda record: plan.position(record.place))
@@ -85,17 +88,35 @@ def load_run(folder: str | Path) -> Run:
     return run
 
 
+def _refuse_misfits(folder: Path, plan: Plan, places: Iterable[Place]) -> None:
+    """Refuse a run whose manifest and ledger are not of one search.
+
+    Raises:
+        RunFolderError: a place has other numbers than the axes of its stage.
+    """
+    for place in places:
+        axes = plan.stage(place.stage).axes
+        if axes and len(place.index) != len(axes):
+            raise RunFolderError(
+                f"{folder} has an evaluation with {len(place.index)} numbers in the stage "
+                f"{place.stage[:50]!r}, whose axes are {', '.join(axes)[:100]}; its run.json and "
+                "its ledger are not of one run: restore both from one copy"
+            )
+
+
 def stored_task(files: PlainFolder, id: str) -> Task:
     """Return the task whose content stands in a folder, or else the installed one of that id.
 
     Raises:
-        InputError: there is none, its content is damaged, or MuJoCo needs too much to compile it.
+        InputError: there is none, its content is damaged, it has the id of an installed task, or
+            MuJoCo needs too much to compile it.
     """
     if files.is_file(TASK_CONTENT):
         content = files.read(TASK_CONTENT, MOST_CONTENT)
         task = task_from_content(content, trusted=False)
         compile_content(content)
-        return remember(task)
+        refuse_taken(task)
+        return task
     return known_task(id)
 
 

@@ -319,7 +319,7 @@ class Run:
 
         evaluation = self.kept(key)
         parameters = evaluation.design.morphology.parameters
-        environment = make_environment(self.task.id, parameters, **options)
+        environment = make_environment(self.task, parameters, **options)
         return TimeLimit(environment, self.task.episode_steps)
 
     def report(self, out: str | Path | None = None) -> Path:

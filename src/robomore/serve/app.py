@@ -19,7 +19,7 @@ from starlette.routing import Route
 from robomore.report.page import render
 from robomore.report.replays import kept_policies, recorded
 from robomore.report.scripts import bundle, policy, style
-from robomore.serve.folder import ServedFolder, Watched
+from robomore.serve.folder import ServedFolder, Watched, why_not_shown
 from robomore.serve.guard import LOOPBACK, Guard
 from robomore.serve.live import overview, run_page
 
@@ -113,7 +113,10 @@ class _Pages:
             one = self._folder.run(name)
             if one is None:
                 return PlainTextResponse("there is no such run (any more)\n", 404)
-            return answer(one)
+            try:
+                return answer(one)
+            except Exception as error:  # noqa: BLE001  # the folder may come from anybody
+                return PlainTextResponse(why_not_shown(one.path, error) + "\n", 500)
 
         return await run_in_threadpool(found)
 

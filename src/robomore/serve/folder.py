@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import os
+import shlex
 import threading
 import time
 from collections.abc import Iterator
@@ -13,6 +15,8 @@ from robomore.errors import RoboMoReError
 from robomore.monitor.progress import Progress, read_progress
 from robomore.runs import Run, load_run
 from robomore.store import RunFolder
+
+log = logging.getLogger(__name__)
 
 _DEPTH = 3
 _MOST_RUNS = 500
@@ -68,13 +72,25 @@ class Watched:
                 return self
             try:
                 self.run, self.error = load_run(self.path), ""
-            except (RoboMoReError, OSError) as error:
-                self.error = " ".join(str(error).split())
+            except Exception as error:  # noqa: BLE001  # the folder may come from anybody
+                self.error = why_not_shown(self.path, error)
             # What was written while it was read is read the next time.
             self._stamp = stamp
             now = time.monotonic()
             self._rested = now + _REST * (now - began)
         return self
+
+
+def why_not_shown(path: Path, error: Exception) -> str:
+    """Return in one line why a run cannot be shown, and what to do; a fault of ours is logged."""
+    said = " ".join(str(error).split())
+    if isinstance(error, RoboMoReError | OSError):
+        return said
+    log.error("the run %s cannot be shown", path, exc_info=error)
+    return (
+        f"it cannot be shown ({type(error).__name__}: {said[:200]}), because its folder is damaged "
+        f"or RoboMoRe has a fault; `robomore report {shlex.quote(str(path))} --debug` says where"
+    )
 
 
 class ServedFolder:

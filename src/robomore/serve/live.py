@@ -18,7 +18,7 @@ from robomore.report.replays import kept_policies
 from robomore.runs import Run
 from robomore.runs.grid import grids
 from robomore.runs.words import duration, in_unit
-from robomore.serve.folder import Watched
+from robomore.serve.folder import Watched, why_not_shown
 from robomore.text import sanitize
 
 _MOST_CELLS = 3000
@@ -53,11 +53,34 @@ class Line:
 def overview(root: Path, watched: Sequence[Watched]) -> str:
     """Return the page of all runs."""
     template = templates().get_template("live/overview.html")
-    return sanitize(template.render(root=root.name, lines=[line(one) for one in watched]))
+    return sanitize(
+        template.render(root=root.name, lines=[_line_or_why_not(one) for one in watched])
+    )
 
 
 def run_page(one: Watched, whole: bool = True) -> str:
-    """Return the page of one run, or if not `whole` only how far it is."""
+    """Return the page of one run, or if not `whole` only how far it is.
+
+    If something in the run cannot be shown, the page says why.
+    """
+    try:
+        return _run_page(one, whole)
+    except Exception as error:  # noqa: BLE001  # the folder may come from anybody
+        return _run_page(_without_content(one, error), whole)
+
+
+def _without_content(one: Watched, error: Exception) -> Watched:
+    return Watched(one.name, one.path, error=why_not_shown(one.path, error))
+
+
+def _line_or_why_not(one: Watched) -> Line:
+    try:
+        return line(one)
+    except Exception as error:  # noqa: BLE001  # one run must not hide the others
+        return line(_without_content(one, error))
+
+
+def _run_page(one: Watched, whole: bool) -> str:
     run = one.run
     small = whole and run is not None and len(run.records) <= _MOST_CELLS
     template = templates().get_template("live/run.html")

@@ -14,7 +14,7 @@ import msgspec
 
 from robomore.errors import RunFolderError
 from robomore.plain_files import read_plain, write_plain
-from robomore.plan import Plan
+from robomore.plan import Plan, Stage
 from robomore.settings import RunSettings
 from robomore.text import to_json
 from robomore.types import Start
@@ -99,8 +99,8 @@ class Manifest:
             if fields.pop(_DIGEST, None) != _digest(fields):
                 raise ValueError("it does not match its digest")
             found = msgspec.convert(fields, cls)
-            if any(math.prod(stage.shape) > _MOST_PLACES for stage in found.plan.stages):
-                raise ValueError(f"a stage has more than {_MOST_PLACES:,} places")
+            for stage in found.plan.stages:
+                _check_shape(stage)
             return found
         except OSError as error:
             raise RunFolderError(f"{path} cannot be read ({error.strerror})") from None
@@ -141,6 +141,21 @@ class Manifest:
                 said = "other package versions made it: " + _difference(mine, theirs)
                 remedy += " or install those versions"
             raise RunFolderError(f"{folder} holds another run: {said}; {remedy}")
+
+
+def _check_shape(stage: Stage) -> None:
+    """Refuse a stage whose places nobody can show.
+
+    Raises:
+        ValueError: saying why.
+    """
+    said = f"its stage {stage.name[:50]!r} has"
+    if stage.shape and len(stage.shape) != len(stage.axes):
+        raise ValueError(f"{said} {len(stage.axes)} axes and {len(stage.shape)} sizes of them")
+    if any(size < 0 for size in stage.shape):
+        raise ValueError(f"{said} a size below 0")
+    if math.prod(stage.shape) > _MOST_PLACES:
+        raise ValueError(f"{said} more than {_MOST_PLACES:,} places")
 
 
 def _difference(mine: dict[str, Any], theirs: dict[str, Any]) -> str:

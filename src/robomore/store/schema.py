@@ -39,6 +39,8 @@ _LARGEST = 1e12
 """Far from every number of a robot, and from where sums and products stop being finite."""
 _MOST_NAMES = 2_000
 """Facts, measures of behaviour and reward terms of one evaluation; usual ones have some twenty."""
+_MOST_PLACES = 10**6
+"""Along each axis of a stage, and of repeats."""
 _LONGEST_CURVE = 2**20
 """Bytes of a curve when it is unpacked."""
 
@@ -151,12 +153,22 @@ def _curve(key: str, body: bytes) -> None:
 
 
 def _place(place: str, evaluation: str, seq: int) -> None:
-    msgspec.json.decode(place, type=Place)
+    _check_place(msgspec.json.decode(place, type=Place))
+
+
+def _check_place(place: Place) -> None:
+    if not all(0 <= number < _MOST_PLACES for number in (*place.index, place.repeat)):
+        raise ValueError(f"a place in the stage {place.stage[:50]!r} has a number that none has")
+
+
+def _check_slot(slot: Slot) -> None:
+    if not slot.index or not all(0 <= n < _MOST_PLACES for n in (*slot.index, slot.attempt)):
+        raise ValueError(f"a slot of the stage {slot.stage[:50]!r} has a number that none has")
 
 
 def _proposal(slot: str, given: str, body: bytes) -> None:
-    msgspec.json.decode(slot, type=Slot)
-    msgspec.json.decode(body, type=Proposal)
+    _check_slot(msgspec.json.decode(slot, type=Slot))
+    _check_slot(msgspec.json.decode(body, type=Proposal).slot)
 
 
 def _exchange(key: str, body: bytes) -> None:
@@ -170,7 +182,7 @@ def _event(seq: int, kind: str, body: bytes) -> None:
         if set(found) != {"slot", "hint"}:
             raise ValueError("a hint without slot or text")
     if kind == "cut":
-        msgspec.convert(facts, Cut)
+        _check_place(msgspec.convert(facts, Cut).place)
 
 
 _CHECKS: dict[str, Callable[..., None]] = {

@@ -33,7 +33,7 @@ _MOST_DATA = 4 * 2**20
 _MOST_STEPS = 1_000_000
 """Steps of MuJoCo in an episode: more than half an hour at a time step of 2 ms."""
 
-_LONGEST_LINE, _LONGEST_DESCRIPTION = 500, 20_000
+_LONGEST_LINE, _LONGEST_DESCRIPTION = 1_000, 10_000
 """Characters of a text that is shown in one line, and of a description."""
 
 _MESH = re.compile(r"[^/\\]{1,200}\.(?:stl|obj|msh)", re.IGNORECASE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 from robomore.errors import InputError
@@ -10,11 +11,13 @@ from robomore.tasks.ant import ANT, ANT_DESERT, ANT_JUMP, ANT_POWERED
 from robomore.tasks.crawler import CRAWLER
 from robomore.tasks.half_cheetah import HALF_CHEETAH
 from robomore.tasks.hopper import HOPPER
-from robomore.tasks.portable import task_from_content
+from robomore.tasks.portable import task_content, task_from_content
 from robomore.tasks.swimmer import SWIMMER
 from robomore.tasks.task import Task
 from robomore.tasks.variants import VARIANTS
 from robomore.tasks.walker import WALKER
+
+log = logging.getLogger(__name__)
 
 
 def _fault(name: str, found: object) -> str:
@@ -81,7 +84,9 @@ def known_task(id: str) -> Task:
     Raises:
         InputError: there is no such task, or the package that adds it is faulty.
     """
-    return _FROM_FILES.get(id) or VARIANTS.get(id) or TASKS.get(id)
+    if id in VARIANTS:
+        return VARIANTS[id]
+    return TASKS.get(id) if id in TASKS or id not in _FROM_FILES else _FROM_FILES[id]
 
 
 def carried_task(id: str, content: bytes) -> Task:
@@ -94,14 +99,34 @@ def carried_task(id: str, content: bytes) -> Task:
 
 
 def remember(task: Task) -> Task:
-    """Make a task that came from a file known by its id in this process; returns it.
+    """Make a task of a file that the user named known by its id in this process; returns it.
+
+    The last one of an id counts: a file may be edited and read again. A warning says so. A task
+    that lies in the folder of a run or a design is handed on as it is and never known by its id,
+    so that no folder changes what an id means.
 
     Raises:
-        InputError: a task of an installed package has this id.
+        InputError: see `refuse_taken`.
     """
-    if task.id in TASKS:
-        raise InputError(
-            f"the task file calls its task {task.id!r}, which is the id of another one; rename it"
+    refuse_taken(task)
+    before = _FROM_FILES.get(task.id)
+    if before is not None and task_content(before) != task_content(task):
+        log.warning(
+            "two tasks with the id %r and other contents were read; from now on the id means the "
+            "one read last. Give one of them another id, unless it is the same file, edited",
+            task.id,
         )
     _FROM_FILES[task.id] = task
     return task
+
+
+def refuse_taken(task: Task) -> None:
+    """Refuse a task that came from a file and has the id of an installed one.
+
+    Raises:
+        InputError: it has the id of a task of this package, its side studies, or another package.
+    """
+    if task.id in VARIANTS or task.id in TASKS:
+        raise InputError(
+            f"the task file calls its task {task.id!r}, which is the id of another one; rename it"
+        )
