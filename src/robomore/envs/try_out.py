@@ -7,13 +7,12 @@ does first.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.silent import silent_mujoco
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InvalidMorphology, UnstableSimulation
 from robomore.tasks.task import Task
@@ -47,17 +46,6 @@ def try_out(task: Task, parameters: Sequence[float]) -> None:
     _check_starts(task, env)
     with silent_mujoco():
         _drive(env)
-
-
-@contextmanager
-def silent_mujoco() -> Iterator[None]:
-    """Keep MuJoCo from printing each divergence, and from writing it to a file in this folder."""
-    former = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda text: None)
-    try:
-        yield
-    finally:
-        mujoco.set_mju_user_warning(former)
 
 
 def _drive(env: VectorEnv) -> None:

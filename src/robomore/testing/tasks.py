@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from robomore.envs.compile import body_facts, compile_model, model_volume
 from robomore.envs.measured_env import MeasuredEnv
 from robomore.envs.reward_text import reward_function
-from robomore.envs.try_out import silent_mujoco, try_out
+from robomore.envs.silent import silent_mujoco
+from robomore.envs.try_out import try_out
 from robomore.envs.vector_env import VectorEnv
 from robomore.errors import (
     FitnessFailed,
