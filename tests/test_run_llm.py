@@ -486,7 +486,10 @@ def test_what_is_secret_in_a_url_is_no_part_of_a_run() -> None:
 
 def test_pictures_go_along_where_the_model_can_see(tmp_path: Path) -> None:
     answers = (body(0.8), body(0.6), GOOD, body(0.7), "wrong_path")
-    with serve(*answers) as (url, script), pytest.raises(InputError, match="serves no model"):
+    with (
+        serve(*answers) as (url, script),
+        pytest.raises(InputError, match="says HTTP 404"),
+    ):
         talk(tmp_path / "out", url, vision=True)
     kinds = [[part["type"] for part in one["messages"][1]["content"]] for one in script.seen[3:]]
     assert kinds == [["text", "image_url"]] * 2

@@ -12,6 +12,8 @@ import sys
 import pytest
 from loopback import KEY, Handler, raw, serve
 
+from robomore.designers.llm.extraction import object_in
+from robomore.designers.llm.thoughts import without_thoughts
 from robomore.errors import InputError, ModelUnavailable
 from robomore.llm import (
     BudgetedClient,
@@ -491,13 +493,17 @@ def test_check_accepts_what_a_run_reads_from_thoughts() -> None:
     [
         ([("say", "ready"), ("say", '{"length": 2}')], "schema"),
         (["say", "no_schema"], "words"),
-        (["say", ("say", '<think>{3}?</think>```json\n{"length": 2}\n```')], "words"),
+        (["say", ("say", '<think>{3}?</think>```json\n{"length": 2}\n```')], "wrapped"),
+        (["say", ("say", '[THINK]{"length": 3}?[/THINK]{"length": 2}')], "wrapped"),
+        (["say", ("say", "{“length“: 2.5}")], "wrapped"),
+        (["say", ("say", '\ufeff{"length": 2, // m\n}')], "wrapped"),
+        ([("say", "[THINK]Hm.[/THINK]ready"), ("say", '{"length": 2}')], "schema"),
         (["say", ("say", "I would rather talk.")], "no"),
     ],
 )
 def test_check_says_what_a_model_can_do(steps: list, structured: str) -> None:
     with serve(*steps) as (url, _):
-        result = check(model_at(url)[0])
+        result = check(model_at(url)[0], None, object_in, without_thoughts)
     assert (result.model, result.reply) == ("toy", "ready")
     assert result.structured == structured
     assert bool(result.faults) == (structured == "no")

@@ -427,8 +427,8 @@ def test_what_does_not_depend_on_each_other_is_asked_for_together() -> None:
 def test_what_no_designer_proposed_is_said() -> None:
     settings = RoboMoReSettings(slim_reference="in")
     assert RoboMoRe(settings).adds == (
-        "The grid also has the reference morphology, as thin as the task allows, and the reference "
-        "reward."
+        "The grid also has the reference morphology, as thin as its search rules allow, and the "
+        "reference reward."
     )
     assert "thin" not in RoboMoRe(RoboMoReSettings()).adds
     assert "thin" not in RoboMoRe(replace(settings, without=("morphology",))).adds

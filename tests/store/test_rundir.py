@@ -12,7 +12,10 @@ from robomore.errors import RunFolderError
 from robomore.plan import Plan, Stage
 from robomore.settings import preset
 from robomore.store import Manifest, RunFolder
-from robomore.types import Morphology, Start
+from robomore.store.exchanges import LedgerExchanges
+from robomore.store.ledger import Ledger
+from robomore.store.schema import Proposal
+from robomore.types import Morphology, Slot, Start
 
 ASKED = Manifest(
     task="ant",
@@ -24,6 +27,13 @@ ASKED = Manifest(
     settings=preset("smoke"),
     plan=Plan((Stage(name="grid", axes=("morphology", "reward"), shape=(2, 2)),)),
 )
+
+
+def begun(path: Path, asked: Manifest) -> None:
+    """Leave the folder of a run that has kept something."""
+    folder = RunFolder.prepare(path, asked)
+    (folder.artifacts / "0123").mkdir()
+    folder.release()
 
 
 def test_the_same_run_may_continue(tmp_path: Path) -> None:
@@ -38,7 +48,7 @@ def test_a_start_may_have_another_name_and_no_other_content(tmp_path: Path) -> N
         morphology = Morphology((length,), f"given ({name})")
         return replace(ASKED, starts=(Start(name, morphology),))
 
-    RunFolder.prepare(tmp_path / "run", started("a.json", 1.0)).release()
+    begun(tmp_path / "run", started("a.json", 1.0))
     RunFolder.prepare(tmp_path / "run", started("./b.json", 1.0)).release()
     with pytest.raises(RunFolderError, match="started from 1 given designs, others than"):
         RunFolder.prepare(tmp_path / "run", started("a.json", 2.0))
@@ -58,12 +68,30 @@ def test_a_start_may_have_another_name_and_no_other_content(tmp_path: Path) -> N
 def test_another_run_is_refused_with_the_difference(
     tmp_path: Path, change: dict[str, Any], said: str
 ) -> None:
-    RunFolder.prepare(tmp_path / "run", ASKED).release()
+    begun(tmp_path / "run", ASKED)
     with pytest.raises(RunFolderError, match=f"{said}.*") as refused:
         RunFolder.prepare(tmp_path / "run", replace(ASKED, **change))
     assert "--out" in str(refused.value)
     # A refusal does not keep the folder locked.
     RunFolder.prepare(tmp_path / "run", ASKED).release()
+
+
+def test_a_run_that_kept_nothing_gives_way_to_another(tmp_path: Path) -> None:
+    """A wrong URL of a model is corrected, and the same folder taken."""
+    wrong = replace(ASKED, designer="llm", designer_settings={"server": "http://wrong"})
+    folder = RunFolder.prepare(tmp_path / "run", wrong)
+    Ledger(folder.ledger).close()
+    LedgerExchanges(folder.ledger).close()
+    folder.release()
+    right = replace(wrong, designer_settings={"server": "http://right"})
+    folder = RunFolder.prepare(tmp_path / "run", right)
+    assert Manifest.load(folder.manifest) == right
+    ledger = Ledger(folder.ledger)
+    ledger.add_proposal(Proposal(Slot("coarse", "morphology", (0,)), Morphology((1.0,))), "abc")
+    ledger.close()
+    folder.release()
+    with pytest.raises(RunFolderError, match="http://right there, http://wrong here"):
+        RunFolder.prepare(tmp_path / "run", wrong)
 
 
 @pytest.mark.parametrize("name", ["notes.txt", "checkpoints/mine.pt", "scratch/mine", "code/x.py"])

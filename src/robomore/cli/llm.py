@@ -24,7 +24,8 @@ llm = App(name="llm", help="Check whether a language model can be used.")
 
 _STRUCTURED = {
     "schema": "keeps to a JSON schema",
-    "words": "answers in JSON when asked in words; a schema is refused or ignored",
+    "wrapped": "keeps to the form of a JSON schema, with something around it that a run removes",
+    "words": "answers in JSON when asked in words; a schema is refused",
     "no": "no",
 }
 _TRIES_OF_CHECK = 2
@@ -203,6 +204,8 @@ def forecast(task: Task, model: LanguageModel, settings: RunSettings) -> str:
 @llm.command
 def check(*, model: ModelOptions | None = None) -> None:
     """Send two requests: does the model answer, read long prompts, and keep to a form?"""
+    from robomore.designers.llm.extraction import object_in
+    from robomore.designers.llm.thoughts import without_thoughts
     from robomore.llm import check as ask
     from robomore.llm import connect
     from robomore.llm.retry import RetryPolicy
@@ -215,7 +218,10 @@ def check(*, model: ModelOptions | None = None) -> None:
         remedy=_REMEDY_OF_CHECK,
     )
     found = ask(
-        connect(model.model, model.base_url, _price(model.price), policy), asked.settings.sampling
+        connect(model.model, model.base_url, _price(model.price), policy),
+        asked.settings.sampling,
+        object_in,
+        without_thoughts,
     )
     cost = "price unknown" if found.cost is None else f"${found.cost:.4f}"
     write(

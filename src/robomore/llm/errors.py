@@ -6,7 +6,7 @@ import errno
 import json
 import re
 import socket
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from httpx2 import CloseError, ConnectTimeout, NetworkError, ProtocolError, ReadError
 from pydantic import ValidationError
@@ -23,7 +23,6 @@ from pydantic_ai.exceptions import (
     ModelRequestTimeout,
     ModelTimeoutError,
 )
-from pydantic_core import ErrorDetails
 
 from robomore.errors import InputError, ModelUnavailable
 from robomore.llm.http import AnswerTooLarge, OddAnswer, Redirected, WebPage, words_of_page
@@ -162,16 +161,15 @@ def _unreadable(error: Exception, name: str, url: str) -> str:
         return f"{url} sent something that is no JSON; {_remedy_of_url(url)}"
     for cause in _causes(error):
         if isinstance(cause, ValidationError):
-            message = "; ".join(_fault(one) for one in cause.errors()[:3])
+            message = "; ".join(_fault(one["loc"], one["msg"]) for one in cause.errors()[:3])
     if isinstance(error, AttributeError | TypeError):
         message = "its form is not that of the protocol"
     return f"{name} sent an answer that cannot be read: {_short(message)}"
 
 
-def _fault(error: ErrorDetails) -> str:
+def _fault(field: Iterable[object], said: str) -> str:
     """Return what is wrong with which field of an answer."""
-    said = error["msg"]
-    return f"{'.'.join(map(str, error['loc']))}: {said[:1].lower()}{said[1:]}"
+    return f"{'.'.join(map(str, field))}: {said[:1].lower()}{said[1:]}"
 
 
 def _remedy_of_url(url: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -21,6 +22,8 @@ _SCHEMA = {
     "additionalProperties": False,
 }
 
+_KEY = "length"
+
 _FILLER = " ".join(["a", "e", "i", "o", "u"] * 1400)
 """As long as a prompt with a short history: each word is a token of every tokenizer."""
 _WORD = "ready"
@@ -30,6 +33,15 @@ _LONGEST_QUOTE = 80
 """Characters of an answer that are shown."""
 
 
+def _plain_json(text: str, wanted: str) -> dict[str, Any] | None:
+    """Return the object that `text` is, if it is one with the key `wanted`."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) and wanted in found else None
+
+
 @dataclass(frozen=True, slots=True)
 class Check:
     """Result of two small requests.
@@ -37,8 +49,9 @@ class Check:
     Attributes:
         model: name of the model.
         reply: its answer to a plain question, shortened.
-        structured: `schema` if it keeps to a JSON schema, `words` if it answers with JSON when
-            asked in words, `no` if neither.
+        structured: `schema` if it keeps to a JSON schema, `wrapped` if something stands around
+            the JSON or it is written otherwise, `words` if no schema was taken and it answers with
+            JSON when asked in words, `no` if none of them.
         seconds: time for both answers.
         tokens: input and output tokens of both exchanges.
         cost: in US dollars, or `None` if no price is known.
@@ -49,7 +62,7 @@ class Check:
 
     model: str
     reply: str
-    structured: Literal["schema", "words", "no"]
+    structured: Literal["schema", "wrapped", "words", "no"]
     seconds: float
     tokens: int
     cost: float | None
@@ -58,8 +71,20 @@ class Check:
     note: str = ""
 
 
-def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
+def check(
+    model: ChatModel,
+    sampling: Sampling | None = None,
+    find: Callable[[str, str], dict[str, Any] | None] = _plain_json,
+    clean: Callable[[str], str] = str,
+) -> Check:
     """Ask `model` two small questions, the first at the end of a long prompt.
+
+    Args:
+        model: what is asked.
+        sampling: sampling settings of both requests.
+        find: returns the JSON object in an answer that has a key, `None` without one; it should
+            read answers as a run does.
+        clean: removes from an answer what a run removes before it reads it.
 
     Raises:
         InputError: a request can never succeed; the message has the reason.
@@ -83,7 +108,7 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
     counted = plain.input_tokens != estimate_prompt(messages)
     form = f"Answer with JSON alone, of the form {_FORM}, any number from 0 to 10."
     formed = answer(1, form, _SCHEMA)
-    structured = _structure(formed)
+    structured = _structure(formed, find)
     # A run reads answers that a server takes for thoughts, if a design is among them.
     as_thoughts = structured != "no" and formed.ending == "thoughts"
     troubles = [
@@ -98,7 +123,7 @@ def check(model: ChatModel, sampling: Sampling | None = None) -> Check:
     costs = (plain.cost, formed.cost)
     return Check(
         model=model.name,
-        reply=one_line(plain.reply)[:_LONGEST_QUOTE],
+        reply=one_line(clean(plain.reply))[:_LONGEST_QUOTE],
         structured=structured,
         seconds=plain.seconds + formed.seconds,
         tokens=sum(c.input_tokens + c.output_tokens for c in (plain, formed)),
@@ -124,20 +149,15 @@ def _quoted(text: str) -> str:
     return repr(one_line(text)[:_LONGEST_QUOTE])
 
 
-def _structure(completion: Completion) -> Literal["schema", "words", "no"]:
-    text = completion.reply
-    if completion.structured and _has_length(text):
-        return "schema"
-    # Fences, prose and thoughts may stand around the object. The parsers of a run accept that.
-    return "words" if _has_length(text[text.rfind("{") : text.rfind("}") + 1]) else "no"
-
-
-def _has_length(text: str) -> bool:
-    try:
-        found = json.loads(text)
-    except (ValueError, RecursionError):
-        return False
-    return isinstance(found, dict) and isinstance(found.get("length"), int | float)
+def _structure(
+    completion: Completion, find: Callable[[str, str], dict[str, Any] | None]
+) -> Literal["schema", "wrapped", "words", "no"]:
+    found = find(completion.reply, _KEY)
+    if found is None or not isinstance(found.get(_KEY), int | float):
+        return "no"
+    if not completion.structured:
+        return "words"
+    return "schema" if _plain_json(completion.reply, _KEY) == found else "wrapped"
 
 
 def _is_object(text: str) -> bool:

@@ -181,6 +181,8 @@ def _about_bounds(run: Run, champion: TrainedDesign) -> list[str]:
         f"{', '.join(at_bound)} {stand} of the {'search' if sampled else 'task'}: the bounds "
         "decided part of this design."
     )
-    if set(at_bound) - set(at_bounds(run.task, parameters)):
-        said += " The task itself allows more than this search tried."
+    at_tasks = at_bounds(run.task, parameters)
+    if wider := [name for name in at_bound if name not in at_tasks]:
+        of = "" if len(wider) == len(at_bound) else f" of {', '.join(wider)}"
+        said += f" The task itself allows more{of} than this search tried."
     return [said]

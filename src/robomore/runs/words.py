@@ -97,11 +97,11 @@ LABELS = {
     "saturated_share": "motor commands at their limit",
     "sideways_drift_m": "sideways drift of the torso (m)",
     "turn_rad": "turn about the vertical axis (rad)",
-    "fell_too_low_share": "episodes that ended with the torso too low",
-    "fell_too_high_share": "episodes that ended with the torso too high",
-    "fell_tilted_share": "episodes that ended with the torso tilted",
-    "fell_diverged_share": "episodes that ended because the simulation diverged",
-    "fell_unhealthy_share": "episodes that ended for another reason",
+    "fell_too_low_share": "falls with the torso too low",
+    "fell_too_high_share": "falls with the torso too high",
+    "fell_tilted_share": "falls with the torso tilted",
+    "fell_diverged_share": "falls because the simulation diverged",
+    "fell_unhealthy_share": "falls by another limit of health",
 }
 """What numbers are called before people, by the names that they have in evaluations."""
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sqlite3
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
-from robomore.errors import RunFolderError, StorageFailed
+from robomore.errors import RoboMoReError, RunFolderError, StorageFailed
 from robomore.plain_files import PARTIAL, PlainFolder, what_stands_at
+from robomore.store.exchanges import LedgerExchanges
+from robomore.store.ledger import Ledger
 from robomore.store.manifest import Manifest
 from robomore.store.opening import refuse_unsafe
 from robomore.suggestions import path_meant
@@ -113,7 +115,7 @@ class RunFolder:
             folder._hold_lock()
             folder._remove_partial_files()
             if folder.files.is_file(folder.manifest.name):
-                Manifest.load(folder.manifest).refuse_other(asked, path)
+                folder._refuse_another_run(asked)
             else:
                 if folder.files.is_file(folder.ledger.name):
                     raise RunFolderError(
@@ -182,6 +184,40 @@ class RunFolder:
                     f"{self.path} is not empty ({name} is in it) and not the folder of a run; "
                     "name a new folder with --out"
                 )
+
+    def _refuse_another_run(self, asked: Manifest) -> None:
+        """Refuse the folder of another run, unless that one ended before it had kept anything.
+
+        It may have had no more than a wrong URL of a model, which is corrected now.
+
+        Raises:
+            RunFolderError: naming what differs.
+        """
+        kept = Manifest.load(self.manifest)
+        try:
+            kept.refuse_other(asked, self.path)
+        except RunFolderError:
+            if not self._keeps_nothing():
+                raise
+            for name in self.files.names():
+                if name.startswith((self.ledger.name, self.task.name)):
+                    self.files.remove(name)
+            asked.save(self.manifest)
+
+    def _keeps_nothing(self) -> bool:
+        """Return whether no answer, no proposal and no evaluation is in the folder."""
+        if any(self.files.names(name) for name in _FOLDERS):
+            return False
+        if not self.files.is_file(self.ledger.name):
+            return True
+        try:
+            with (
+                closing(Ledger(self.ledger, read_only=True)) as ledger,
+                closing(LedgerExchanges(self.ledger, read_only=True)) as exchanges,
+            ):
+                return not (exchanges.all() or ledger.proposals() or ledger.evaluations())
+        except RoboMoReError:
+            return False  # what cannot be read may be worth something
 
     def _remove_partial_files(self) -> None:
         """Remove files that a killed run had begun to write. A page may be written right now."""

@@ -71,6 +71,14 @@ def find_object(text: str, wanted: str) -> dict[str, Any]:
     raise error
 
 
+def object_in(text: str, wanted: str) -> dict[str, Any] | None:
+    """Return what `find_object` finds, `None` if it finds nothing."""
+    try:
+        return find_object(text, wanted)
+    except NotFound:
+        return None
+
+
 def _otherwise_written(text: str) -> list[str]:
     """Return `text` without HTML's names of characters, and with straight quotes besides."""
     plain = without_entities(text)

@@ -44,7 +44,7 @@ class RoboMoRe:
         settings = self.settings.reduced
         parts = []
         if settings.slim_reference == "in":
-            parts.append("the reference morphology, as thin as the task allows")
+            parts.append("the reference morphology, as thin as its search rules allow")
         if settings.reference_reward == "in":
             parts.append("the reference reward")
         return f"The grid also has {', and '.join(parts)}." if parts else ""

@@ -39,8 +39,8 @@ class RoboMoReSettings:
     """Whether the reference reward is one column of the grid and may win; the paper leaves it
     out."""
     slim_reference: Literal["in", "out"] = "out"
-    """Whether the reference morphology, as thin as the task allows, is one row of the grid; the
-    paper leaves it out. It is what a search for efficiency has to beat."""
+    """Whether the reference morphology, as thin as its search rules allow, is one row of the grid;
+    the paper leaves it out. It is what a search for efficiency has to beat."""
     survivors: Fraction = 0.05
     """Fraction of the grid that the fine stage starts from (k); at least one design."""
     max_cycles: Annotated[int, msgspec.Meta(ge=0)] = 10
