@@ -23,6 +23,7 @@ def test_a_plan_starts_nothing(robomore_: Command, tmp_path: Path) -> None:
     assert "hopper-without-reward-s1" in said.out
     assert "16 runs, at most 4,480,000 control steps: 2,560,000 of search and" in said.out
     assert not (tmp_path / "study").exists()
+    assert said.err == "left out, the same as another arm at this preset: without-screening\n"
 
 
 def test_a_plan_costs_what_the_documents_say(robomore_: Command) -> None:

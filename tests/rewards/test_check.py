@@ -177,7 +177,7 @@ def test_says_what_is_allowed_and_good_to_know() -> None:
 )
 def test_a_start_that_never_comes_is_noted(text: str, line: int) -> None:
     found = check_reward(body(f"{text}\nreturn 0.0, {{}}"))
-    assert [it.line for it in found if "so this never holds" in it.message] == [line]
+    assert [it.line for it in found if "never holds" in it.message] == [line]
     assert all(it.severity == "note" for it in found)
 
 

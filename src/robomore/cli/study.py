@@ -85,6 +85,10 @@ def study(
                 f"--arm {' --arm '.join(arm)} changes nothing at the preset {preset}, so there is "
                 "nothing to compare; name another --preset or --arm"
             )
+    else:
+        used = {cell.arm.name for cell in cells}
+        if same := [one.name for one in wanted.arms if one.name not in used]:
+            tell(f"left out, the same as another arm at this preset: {', '.join(same)}\n")
     if plan:
         for cell in cells:
             write(f"{cell.folder.name}\n")
