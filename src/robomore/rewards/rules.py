@@ -261,8 +261,8 @@ def never_at_the_start(function: ast.AST) -> Iterator[Finding]:
                 node.lineno,
                 "note",
                 "`self.data.time` is never 0 here, since a reward is called after each control "
-                "step: what asks for that here never holds; attributes of `self` start anew with each "
-                "episode by themselves",
+                "step: what asks for that here never holds; attributes of `self` start anew with "
+                "each episode by themselves",
             )
 
 
