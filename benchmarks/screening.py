@@ -1,12 +1,13 @@
 """Screening against a grid that was trained to the end: what it finds again, for which steps.
 
-    python benchmarks/screening.py [--task half-cheetah]    # from recorded numbers, in a second
-    python benchmarks/screening.py --record [--workers 2]    # what it lacks, an hour of one core
+    python benchmarks/screening.py [--task half-cheetah] [--steps 150000]    # from recorded numbers
+    python benchmarks/screening.py --record [--workers 2]    # what it lacks: an hour of one core
 
 The record is a grid that the offline designer proposed for a task: 25 morphologies and 5 rewards,
 each pair trained to the end and measured at every fifth of the way, and each morphology under the
 reference reward for the first fifth. The search's own screening then runs on these numbers in the
-place of training. To record the grid of today's designer, remove the CSV file first.
+place of training. A record can be stopped and gone on with; morphologies whose pairs are not all
+there yet are left out. To record the grid of today's designer, remove the CSV file first.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.planning import COARSE
 from robomore.search.robomore.screening import screened
 from robomore.search.robomore.settings import RoboMoReSettings, Rung
-from robomore.settings import Budget, standard
+from robomore.settings import standard
 from robomore.tasks import get_task
 from robomore.tasks.task import Task
 from robomore.types import (
@@ -44,8 +45,8 @@ from robomore.types import (
 )
 
 DATA = Path(__file__).parent / "data"
-STEPS = 100_000
-"""Of every pair in the record."""
+STEPS = standard().candidate.steps
+"""Of every pair in a record: what the coarse stage of `standard` would give to each."""
 PARTS = 5
 REFERENCE = -1
 """Column of the reference reward in the record."""
@@ -74,12 +75,13 @@ WAYS = {
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--task", default="half-cheetah")
+    parser.add_argument("--steps", type=int, default=STEPS, help="of every pair in the record")
     parser.add_argument("--record", action="store_true", help="train what the record lacks")
     parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
-    task, path = get_task(given.task), DATA / f"grid-{given.task}.csv"
+    task, path = get_task(given.task), DATA / f"grid-{given.task}-{given.steps // 1000}k.csv"
     if given.record:
-        record(task, path, given.workers)
+        record(task, path, given.steps, given.workers)
     rows = whole([row_of(line) for line in lines(path)])
     if not rows:
         parser.error(f"{path} holds no whole morphology; record the grid with --record")
@@ -124,7 +126,7 @@ def context(task: Task, observe: Observer = ignore) -> SearchContext:
     return SearchContext(
         task=task,
         reference=reference,
-        candidate=Budget(STEPS),
+        candidate=standard().candidate,
         evaluations=125,
         observe=observe,
     )
@@ -143,7 +145,7 @@ def designs(task: Task) -> list[Trial]:
     return asked
 
 
-def record(task: Task, path: Path, workers: int) -> None:
+def record(task: Task, path: Path, steps: int, workers: int) -> None:
     """Train what the record lacks of the grid, and write it down as it comes."""
     trainer = standard().trainer
     grid = designs(task)
@@ -160,8 +162,8 @@ def record(task: Task, path: Path, workers: int) -> None:
             seed=0,
             trainer=trainer,
             # Screening looks at the reference reward at the first rung alone.
-            steps=STEPS if source else STEPS // PARTS,
-            every=STEPS // PARTS,
+            steps=steps if source else steps // PARTS,
+            every=steps // PARTS,
             reward=source,
         )
         for number, reward, source in wanted
