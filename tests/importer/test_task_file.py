@@ -148,12 +148,12 @@ MISTAKES = {
     "a title without end": (
         'title = "',
         'title = "' + "x" * 201,
-        r"title has 20\d characters; give 200",
+        "its title is .*; give one line of at most 200 characters",
     ),
     "a text without end": (
         'meaning = "',
         'meaning = "' + "x" * 1_001,
-        r"thigh_length: its meaning has 1,\d+ characters; give 1,000 at most",
+        "its meaning of 'thigh_length' is .*; give one line of at most 1,000",
     ),
     "an unknown measure": ('"distance"', '"energetic"', "no .* is called 'energetic'"),
     "an unknown line": (

@@ -27,9 +27,6 @@ _FARTHEST = 1000.0
 _MOST_BYTES = 2**20
 """Bytes of a task file."""
 
-_LONGEST_TITLE, _LONGEST_TEXT, _LONGEST_MEANING = 200, 10_000, 1_000
-"""Characters of a task's title and description, and of a parameter's meaning."""
-
 _MOST_TERMS = 100
 """Terms of a fitness."""
 
@@ -154,18 +151,13 @@ def parameter_faults(given: ParameterTable) -> list[str]:
             f"[[parameter]] {given.name}: low = {given.low:g} and high = {given.high:g}; low has "
             f"to be above 0 and below high, which is {_LARGEST:g} at most"
         )
-    if len(given.meaning) > _LONGEST_MEANING:
-        faults.append(
-            f"[[parameter]] {given.name}: its meaning has {len(given.meaning):,} characters; give "
-            f"{_LONGEST_MEANING:,} at most"
-        )
     if not given.meaning.strip():
         faults.append(f"[[parameter]] {given.name}: say its meaning; designers read it")
     return faults
 
 
 def number_faults(table: TaskTable) -> list[str]:
-    """Return which numbers and texts of a task file cannot be, whatever the robot is."""
+    """Return which numbers and names of a task file cannot be, whatever the robot is."""
     faults = []
     for name, low, high in (
         ("payload", 0.0, 1.0),
@@ -202,9 +194,6 @@ def number_faults(table: TaskTable) -> list[str]:
         faults.append(f"[health] height = {list(table.health.height)}; the first has to be smaller")
     if not re.fullmatch(r"[\w-]{1,64}", table.id):
         faults.append(f"id = {table.id[:80]!r}; give one of letters, digits, - and _, 64 at most")
-    for name, most in (("title", _LONGEST_TITLE), ("description", _LONGEST_TEXT)):
-        if (length := len(getattr(table, name))) > most:
-            faults.append(f"{name} has {length:,} characters; give {most:,} at most")
     if isinstance(table.fitness, list) and len(table.fitness) > _MOST_TERMS:
         faults.append(f"fitness has {len(table.fitness):,} terms; give {_MOST_TERMS} at most")
     if table.target and not all(abs(place) <= _FARTHEST for place in table.target.position):

@@ -33,8 +33,8 @@ _MOST_DATA = 4 * 2**20
 _MOST_STEPS = 1_000_000
 """Steps of MuJoCo in an episode: more than half an hour at a time step of 2 ms."""
 
-_LONGEST_LINE, _LONGEST_DESCRIPTION = 1_000, 10_000
-"""Characters of a text that is shown in one line, and of a description."""
+_LONGEST_TITLE, _LONGEST_LINE, _LONGEST_DESCRIPTION = 200, 1_000, 10_000
+"""Characters of a title, of any other text that is shown in one line, and of a description."""
 
 _MESH = re.compile(r"[^/\\]{1,200}\.(?:stl|obj|msh)", re.IGNORECASE)
 """The name of a mesh: a path could be one of this machine."""
@@ -179,10 +179,11 @@ def refuse_texts(task: Task) -> None:
         lines[f"unit of {one.name[:40]!r}"] = one.unit
         lines[f"meaning of {one.name[:40]!r}"] = one.meaning
     for what, text in lines.items():
-        if len(text) > _LONGEST_LINE or "\n" in text or "\t" in text or odd_characters(text):
+        most = _LONGEST_TITLE if what == "title" else _LONGEST_LINE
+        if len(text) > most or "\n" in text or "\t" in text or odd_characters(text):
             raise InputError(
-                f"{task.id}: its {what} is {text[:80]!r}; give one line of at most "
-                f"{_LONGEST_LINE} characters that can be printed"
+                f"{task.id}: its {what} is {text[:80]!r}; give one line of at most {most:,} "
+                "characters that can be printed"
             )
     if len(task.description) > _LONGEST_DESCRIPTION or (odd := odd_characters(task.description)):
         fault = f"holds {odd[0]!r}" if len(task.description) <= _LONGEST_DESCRIPTION else "is long"
