@@ -123,6 +123,7 @@ def open_trainer(
         settings.num_envs,
         reward_function(reward or task.reward),
         episode_seconds=settings.episode_seconds,
+        replace_rk4=settings.replace_rk4,
     )
     return make_trainer(trainer), environment
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from robomore.tasks import TASKS, Task, get_task
     from robomore.types import Design, Evaluation, Morphology, Reward
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "TASKS",

@@ -104,6 +104,19 @@ def test_robustness_warns_and_never_fails() -> None:
         assert verdict.outcome == "fails" and verdict.numbers["base"] == 1000.0
 
 
+@pytest.mark.parametrize(
+    ("task", "told"),
+    [
+        ("half-cheetah", "integrator RK4 "),
+        ("swimmer", "integrator IMPLICITFAST at half the timestep "),
+    ],
+)
+def test_rk4_is_compared_with_a_finer_first_order(task: str, told: str) -> None:
+    subject = restless(short(task, STEPS))
+    subject._measured[Variant()] = replace(subject.measured(), fitness=1.0)  # type: ignore[type-var]
+    assert told in integrator.check(subject).says
+
+
 def test_a_robot_that_gets_nowhere_has_nothing_to_lose() -> None:
     verdict = timestep.check(still(short("half-cheetah", STEPS)))
     assert verdict.outcome == "skipped" and "nothing to lose" in verdict.says

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.measured_env import MeasuredEnv
+from robomore.envs.timestep import divide_timestep
 from robomore.tasks.task import Task
 from robomore.training.rollout import Policy
 from robomore.types import GRAVITY
@@ -62,9 +63,8 @@ class VariedEnv(MeasuredEnv):
         super().__init__(task, parameters, num_envs)
         model = self.model
         self._push = variant.push * GRAVITY * float(model.body_mass[1:].sum())
-        model.opt.timestep /= variant.timestep_division
-        self._frame_skip *= variant.timestep_division
-        self.environment.frame_skip = self._frame_skip
+        divide_timestep(self.environment, variant.timestep_division)
+        self._frame_skip = self.environment.frame_skip
         if variant.integrator:
             model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{variant.integrator}")
         if variant.solver:

@@ -18,11 +18,8 @@ from robomore.envs.gather import Gather, Scatter
 from robomore.envs.random_state import generator_state, seed_generator, set_generator_state
 from robomore.envs.reward_runner import RewardRunner
 from robomore.envs.robots import environment_class
-from robomore.envs.robots.base import (
-    Array,
-    RewardFunction,
-    all_of_each,
-)
+from robomore.envs.robots.base import Array, RewardFunction, all_of_each
+from robomore.envs.timestep import without_rk4
 from robomore.envs.transition import Transition
 from robomore.errors import UnstableSimulation
 from robomore.tasks.task import Task
@@ -73,6 +70,7 @@ class VectorEnv:
         *,
         auto_reset: bool = True,
         episode_seconds: float | None = None,
+        replace_rk4: bool = False,
     ) -> None:
         """Build the simulations; `reset` or `reset_one` has to come before `step`.
 
@@ -85,6 +83,8 @@ class VectorEnv:
                 the caller starts episodes with `reset_one`.
             episode_seconds: time after which an episode is cut off, if that is before the task's
                 own; `None` for the task's own.
+            replace_rk4: whether a task that integrates by RK4 is simulated for half the work
+                (`robomore.envs.timestep`).
 
         Raises:
             InvalidMorphology: the task refuses the parameters, or MuJoCo refuses the model.
@@ -96,6 +96,8 @@ class VectorEnv:
         self.num_envs = num_envs
         self.action_size = int(self.model.nu)
         self.observation_size = sum(self.environment.observation_space.shape or ())
+        if replace_rk4:
+            without_rk4(self.environment)
         self._frame_skip = int(self.environment.frame_skip)
         self._dt = float(self.environment.dt)
         self._steps = task.episode_steps

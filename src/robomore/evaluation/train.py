@@ -46,6 +46,7 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
         settings.num_envs,
         reward,
         episode_seconds=settings.episode_seconds,
+        replace_rk4=settings.replace_rk4,
     )
     trained = make_trainer(job.trainer).train(
         environment,

@@ -55,6 +55,9 @@ class OffPolicySettings:
     episode_seconds: Positive | None = None
     """Training episodes are cut off after this time, in simulated seconds; `None` for the task's
     own length."""
+    replace_rk4: bool = False
+    """Where the task integrates by RK4, train with implicitfast at half the timestep, for half the
+    work of simulating. Policies are measured with the task's own integrator all the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +99,7 @@ class CrossQSettings(LoopSettings):
     n_critics: Count = 1
     init_alpha: Positive = 0.1
     episode_seconds: Positive | None = 5.0
+    replace_rk4: bool = True
     n_steps: Count = 3
     normalize_rewards: bool = True
     policy_ema_fraction: Fraction = 0.1
@@ -162,8 +166,9 @@ class Algorithm:
     """A training algorithm: its settings class, and where its trainer is found when it is needed.
 
     Attributes:
-        settings: frozen dataclass whose fields all have defaults. Two fields have to be `num_envs`
-            and `episode_seconds` (`OffPolicySettings` says what they are).
+        settings: frozen dataclass whose fields all have defaults. Three fields have to be
+            `num_envs`, `episode_seconds` and `replace_rk4` (`OffPolicySettings` says what they
+            are).
         trainer: `module:Class`, called with an instance of `settings`.
         needs: names by which packages are imported that RoboMoRe does not bring. Their versions are
             part of a run's identity.
