@@ -35,6 +35,11 @@ def run(arguments: str) -> str:
             ["1 runs", "longest chain", "1024"],
             marks=pytest.mark.exhaustive,
         ),
+        pytest.param(
+            "integrators.py --robots swimmer --steps 6400",
+            ["swimmer, seed 0, 6400 steps", "RK4", "IMPLICITFAST"],
+            marks=pytest.mark.exhaustive,
+        ),
         ("simulation.py --steps 4", ["ant", "half-cheetah", "hopper", "walker", "swimmer"]),
         pytest.param(
             "learning.py --robots swimmer --seeds 1 --steps 6400 --every 3200 "
