@@ -210,6 +210,11 @@ MISTAKES = {
     "a key of many tables": ('mass = "length"', "a" + ".a" * 100 + " = 1", "a key with 30 dots"),
     "a long file": ('mass = "length"', "#" * 2**20, "has more than 1 MiB"),
     "a long id": ('id = "dog"', f'id = "{"d" * 80}"', "give one of letters.*64 at most"),
+    "a misspelt fitness": (
+        'fitness = "distance"',
+        'fitness = "distnce"',
+        r"fitness: .*'distnce'.*'distance'",
+    ),
     "many terms": (
         'fitness = "distance"',
         "fitness = [" + '{measure = "distance"},' * 101 + "]",

@@ -155,13 +155,17 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
         f"two parameters are called {n!r}" for n in sorted({n for n in names if names.count(n) > 1})
     ]
     faults += number_faults(table)
+    try:
+        fitness = _fitness(table)
+    except InputError as error:
+        faults.append(f"fitness: {error}")
     if faults:
         raise InputError(f"{path}: " + "; ".join(faults))
     return Plan(
         id=table.id,
         title=table.title,
         description=table.description.strip(),
-        fitness=_fitness(table),
+        fitness=fitness,
         reward=table.reward,
         parameters=tuple(parameters),
         edits=tuple(edits),
