@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+import robomore.report
 from exhaustive import more_of
 from fake_run import finished_run
 from report.large_run import large_run
@@ -230,3 +231,14 @@ def test_the_live_page_follows_a_run(browser: Any, tmp_path: Path, said: list[st
     page.close()
     server.should_exit = True
     thread.join(10)
+
+
+def test_a_zero_has_no_sign(browser: Any) -> None:
+    page = browser.new_page()
+    words = (Path(robomore.report.__file__).parent / "web" / "words.js").read_text()
+    called = """async (text) => {
+      const words = await import("data:text/javascript," + encodeURIComponent(text));
+      return [-0.03, -0.06, 12.34].map(words.tenths);
+    }"""
+    assert page.evaluate(called, words) == ["0.0", "-0.1", "12.3"]
+    page.close()

@@ -2,7 +2,7 @@
 
 import { Vector3 } from "three";
 import { Stage } from "./stage.js";
-import { number } from "./words.js";
+import { number, tenths } from "./words.js";
 
 const LOOP_PAUSE = 1; // seconds in the last pose before it begins again
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
@@ -128,7 +128,7 @@ export class Player {
       const way = episode.way(frame).x - episode.way(0).x;
       const over = seconds > episode.seconds + 1e-6;
       this.lines[n].textContent = over && episode.data.fell ? `fell after ${number(way, 3)} m`
-        : `${way.toFixed(1)} m · ${episode.speed(frame).toFixed(1)} m/s`;
+        : `${tenths(way)} m · ${tenths(episode.speed(frame))} m/s`;
     });
     this.element.querySelector(".state").textContent = this.stage.thickened
       ? "Parts too thin to be seen are drawn thicker." : "";

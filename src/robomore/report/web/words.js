@@ -9,6 +9,11 @@ export function number(value, digits = 4) {
     size >= 1 ? Math.floor(Math.log10(size)) + 1 : 0) });
 }
 
+// With one digit after the point, and no sign before a zero.
+export function tenths(value) {
+  return (Math.round(value * 10) / 10 + 0).toFixed(1);
+}
+
 // Returns an element; strings among `content` become text, never markup.
 export function make(name, attributes = {}, ...content) {
   const element = document.createElement(name);
