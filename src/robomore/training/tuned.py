@@ -14,9 +14,12 @@ from robomore.types import TrainerSettings
 _TUNED: dict[str, dict[str, dict[str, Any]]] = {
     "crossq": {
         # An ant that learns well soon learns to stand still, which costs nothing. Held noise and
-        # optimism together bring it out of that. Contact forces begin with the 28th number.
+        # optimism together bring it out of that. Contact forces begin with the 28th number. Many
+        # gradient steps on small batches cost as much as few on large ones, and teach it sooner.
         "robomore.envs.robots.ant:AntEnvironment": {
             "gamma": 0.995,
+            "batch_size": 64,
+            "gradient_steps": 28,
             "deterministic_env_fraction": 0.5,
             "max_noise_repeat": 16,
             "observed": 27,
