@@ -15,7 +15,7 @@ _TUNED: dict[str, dict[str, dict[str, Any]]] = {
     "crossq": {
         # An ant that learns well soon learns to stand still, which costs nothing. Held noise and
         # optimism together bring it out of that. Contact forces begin with the 28th number. Many
-        # gradient steps on small batches cost as much as few on large ones, and teach it sooner.
+        # gradient steps on small batches cost what few cost on large ones, and teach it no worse.
         "robomore.envs.robots.ant:AntEnvironment": {
             "gamma": 0.995,
             "batch_size": 64,
