@@ -54,18 +54,21 @@ GRID = RoboMoReSettings(reference_reward="out", screening="halving")
 """The grid that was recorded: five proposed rewards beside the reference reward."""
 
 
-def rungs(*pairs: tuple[float, float]) -> RoboMoReSettings:
-    """Return halving that keeps so much of the pairs after so much of the way."""
-    return replace(GRID, prefilter_fraction=0.0, rungs=tuple(Rung(*pair) for pair in pairs))
+def rungs(*pairs: tuple[float, float], first_look: float = 0.0) -> RoboMoReSettings:
+    """Return halving that keeps so much of the pairs after so much of the way.
+
+    Args:
+        pairs: fraction of the way, and fraction of the pairs that is kept.
+        first_look: fraction of the morphologies that get fewer rewards tried.
+    """
+    stops = tuple(Rung(*pair) for pair in pairs)
+    return replace(GRID, prefilter_fraction=first_look, rungs=stops)
 
 
 WAYS = {
     "halving (the default)": GRID,
-    "halving, all morphologies alike": replace(GRID, prefilter_fraction=0.0),
-    "fewer rewards for the worst, nothing else": replace(
-        GRID, rungs=(replace(GRID.rungs[0], keep_fraction=1.0),)
-    ),
-    "20 % keep 0.2, 40 % keep 0.08": rungs((0.2, 0.2), (0.4, 0.08)),
+    "20 % keep 0.25, 40 % keep 0.1": rungs((0.2, 0.25), (0.4, 0.1)),
+    "the same with a first look": rungs((0.2, 0.25), (0.4, 0.1), first_look=0.4),
     "20 % keep 0.3, 60 % keep 0.08": rungs((0.2, 0.3), (0.6, 0.08)),
     "20 % keep 0.15": rungs((0.2, 0.15)),
 }

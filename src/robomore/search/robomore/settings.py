@@ -61,9 +61,9 @@ class RoboMoReSettings:
     screening: Literal["none", "halving"] = "none"
     """How the grid is thinned out: `none` trains every pair to the end, as the paper does;
     `halving` cuts the worst on the way (successive halving)."""
-    rungs: tuple[Rung, ...] = (Rung(0.2, 0.25), Rung(0.4, 0.1))
+    rungs: tuple[Rung, ...] = (Rung(0.2, 0.2), Rung(0.4, 0.08))
     """With halving: where is cut. What is kept at the last rung is trained to the end."""
-    prefilter_fraction: Annotated[float, msgspec.Meta(ge=0, lt=1)] = 0.4
+    prefilter_fraction: Annotated[float, msgspec.Meta(ge=0, lt=1)] = 0.0
     """With halving: fraction of the morphologies, worst under the reference reward at the first
     rung, that get fewer rewards tried; 0 treats all alike."""
     prefiltered_rewards: Annotated[int, msgspec.Meta(ge=0)] = 1
