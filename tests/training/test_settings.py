@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import pytest
@@ -93,6 +93,15 @@ def test_a_third_party_can_add_a_trainer(monkeypatch: pytest.MonkeyPatch) -> Non
     assert settings_from(TrainerSettings("other")) == CrossQSettings()
     with pytest.raises(InputError, match="crossq, sac, sb3, other"):
         settings_from(TrainerSettings("sarsa"))
+
+
+def test_a_trainer_without_settings_of_its_simulation_is_refused() -> None:
+    @dataclass(frozen=True)
+    class Own:
+        num_envs: int = 1
+
+    with pytest.raises(InputError, match="'own' lacks episode_seconds, replace_rk4 among"):
+        settings.TRAINERS.register("own", settings.Algorithm(Own, "own:Own"))
 
 
 def test_settings_need_no_jax() -> None:

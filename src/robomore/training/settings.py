@@ -161,14 +161,16 @@ class SB3Settings(OffPolicySettings):
     """How far the target critics move towards the critics in one gradient step (1 copies them)."""
 
 
+SIMULATION = ("num_envs", "episode_seconds", "replace_rk4")
+"""Settings that every algorithm has, since they say what it trains in (see `OffPolicySettings`)."""
+
+
 @dataclass(frozen=True, slots=True)
 class Algorithm:
     """A training algorithm: its settings class, and where its trainer is found when it is needed.
 
     Attributes:
-        settings: frozen dataclass whose fields all have defaults. Three fields have to be
-            `num_envs`, `episode_seconds` and `replace_rk4` (`OffPolicySettings` says what they
-            are).
+        settings: frozen dataclass whose fields all have defaults; `SIMULATION` are among them.
         trainer: `module:Class`, called with an instance of `settings`.
         needs: names by which packages are imported that RoboMoRe does not bring. Their versions are
             part of a run's identity.
@@ -182,7 +184,10 @@ class Algorithm:
 
 
 def _fault(name: str, found: object) -> str:
-    return "" if isinstance(found, Algorithm) else f"is a {type(found).__name__}, no Algorithm"
+    if not isinstance(found, Algorithm):
+        return f"is a {type(found).__name__}, no Algorithm"
+    missing = [setting for setting in SIMULATION if not hasattr(found.settings, setting)]
+    return f"lacks {', '.join(missing)} among its settings" if missing else ""
 
 
 TRAINERS: Registry[Algorithm] = Registry(
