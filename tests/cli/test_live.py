@@ -150,7 +150,7 @@ def test_a_language_model_that_is_waited_for_is_seen_to_be(state: RunState, cloc
     state(Waiting(first))
     state(Waiting(second))
     clock.now += 12
-    said = "waiting for the language model's answer, 12 s … (matrix morphology 1"
+    said = "waiting for the language model, 12 s … (matrix morphology 1"
     assert said in " ".join(shown(state).split())
     state(Waiting(first, over=True))
     state(Waiting(second, over=True))
@@ -170,7 +170,7 @@ def test_plain_lines_say_so_too_and_no_longer_than_it_lasts(
     deadline = time.monotonic() + 20
     while "waiting" not in stream.getvalue() and time.monotonic() < deadline:
         time.sleep(0.01)
-    assert "waiting for the language model's answer, 4 s" in stream.getvalue()
+    assert "waiting for the language model, 4 s" in stream.getvalue()
     before = stream.getvalue()
     lines(Waiting(slot, over=True))
     lines.remind()

@@ -217,7 +217,7 @@ def _waiting(state: RunState) -> str:
     slots = list(state.asked_model)
     more = f" and {len(slots) - 1} more" if len(slots) > 1 else ""
     return (
-        f"waiting for the language model's answer, {duration(state.waited or 0.0)} …  "
+        f"waiting for the language model, {duration(state.waited or 0.0)} …  "
         f"({slots[0]}{more})"
     )
 
