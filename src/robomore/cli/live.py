@@ -216,10 +216,7 @@ def _line(state: RunState, event: Finished, better: bool) -> str:
 def _waiting(state: RunState) -> str:
     slots = list(state.asked_model)
     more = f" and {len(slots) - 1} more" if len(slots) > 1 else ""
-    return (
-        f"waiting for the language model, {duration(state.waited or 0.0)} …  "
-        f"({slots[0]}{more})"
-    )
+    return f"waiting for the language model, {duration(state.waited or 0.0)} …  ({slots[0]}{more})"
 
 
 def _spending(spent: Spent) -> str:
