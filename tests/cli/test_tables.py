@@ -66,7 +66,7 @@ def test_export_writes_every_evaluation(robomore_: Command, finished: Path, tmp_
         (("compare", "RUN", "nowhere"), "there is no folder nowhere; name a folder that"),
         (("compare", "RUN", "--csv", "nowhere/a.csv"), "cannot write nowhere/a.csv"),
         (("export", "RUN"), "--csv FILE"),
-        (("export", "RUN", "--csv", "a", "--parquet", "b"), "--parquet FILE"),
+        (("export", "RUN", "--csv", "a.csv", "--reference"), "--to FOLDER"),
         (("export", "RUN", "--csv", "nowhere/a.csv"), "cannot write nowhere/a.csv"),
         (("export", "nowhere", "--csv", "a.csv"), "there is no folder nowhere; name a folder that"),
     ],

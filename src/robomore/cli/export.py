@@ -39,7 +39,7 @@ def export(
     wall: Annotated[float, Parameter(group=_PRINT)] = 1.2,
     gap: Annotated[float, Parameter(group=_PRINT)] = 0.4,
 ) -> None:
-    """Write a run's champion as files for other programs, or all its evaluations as one table.
+    """Write a run's champion as files for other programs, all its evaluations as one table, or both.
 
     Parameters
     ----------
@@ -70,12 +70,12 @@ def export(
     gap
         Narrowest gap that stays open in a print, in mm.
     """
-    if sum(given is not None for given in (to, csv, parquet)) != 1:
-        raise InputError("give one of --to FOLDER, --csv FILE and --parquet FILE")
+    if to is None and csv is None and parquet is None:
+        raise InputError("give one or more of --to FOLDER, --csv FILE and --parquet FILE")
+    if to is None and (force or evaluation or reference):
+        raise InputError("--force, --evaluation and --reference go with --to FOLDER")
+    _write_tables(run, csv, parquet)
     if to is None:
-        if force or evaluation or reference:
-            raise InputError("--force, --evaluation and --reference go with --to FOLDER")
-        _write_table(run, csv, parquet)
         return
     from robomore.export import Printer, export_run
 
@@ -91,15 +91,17 @@ def export(
     _print(exported, printer)
 
 
-def _write_table(run: Path, csv: Path | None, parquet: Path | None) -> None:
+def _write_tables(run: Path, csv: Path | None, parquet: Path | None) -> None:
     from robomore.cli.tables import write_rows
     from robomore.runs import load_run
     from robomore.runs.table import write_parquet
 
+    if csv is None and parquet is None:
+        return
     rows = load_run(run).rows()
     if csv is not None:
         write_rows(rows, csv)
-    elif parquet is not None:
+    if parquet is not None:
         write_parquet(rows, parquet)
         write(f"{parquet}: {len(rows)} rows\n")
 
