@@ -104,6 +104,19 @@ def test_robustness_warns_and_never_fails() -> None:
         assert verdict.outcome == "fails" and verdict.numbers["base"] == 1000.0
 
 
+def test_what_only_other_numbers_make_large_is_a_warning() -> None:
+    subject = restless(short("half-cheetah", STEPS))
+    subject._measured[Variant()] = replace(subject.measured(), fitness=1.0)  # type: ignore[type-var]
+    doubled = replace(subject.measured(), fitness=2.1)  # type: ignore[type-var]
+    same = replace(subject.measured(), fitness=1.9)  # type: ignore[type-var]
+    for variant in (Variant(integrator="RK4"), Variant(solver="CG"), Variant(timestep_division=2)):
+        subject._measured[variant] = doubled
+    assert integrator.check(subject).outcome == timestep.check(subject).outcome == "warns"
+    for variant in (Variant(integrator="RK4"), Variant(solver="CG"), Variant(timestep_division=2)):
+        subject._measured[variant] = same
+    assert integrator.check(subject).outcome == timestep.check(subject).outcome == "passes"
+
+
 @pytest.mark.parametrize(
     ("task", "told"),
     [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import mujoco
 
-from robomore.audit.retained import retained
+from robomore.audit.retained import NUMERICAL_GAIN, retained
 from robomore.audit.subject import Subject
 from robomore.audit.variant import Variant
 from robomore.envs.compile import compile_model
@@ -38,4 +38,5 @@ def check(subject: Subject) -> Verdict:
         },
         fails_below=FAILS_BELOW,
         warns_below=WARNS_BELOW,
+        warns_above=NUMERICAL_GAIN,
     )

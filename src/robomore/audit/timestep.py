@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robomore.audit.retained import retained
+from robomore.audit.retained import NUMERICAL_GAIN, retained
 from robomore.audit.subject import Subject
 from robomore.audit.variant import Variant
 from robomore.store.audit import Verdict
@@ -20,4 +20,5 @@ def check(subject: Subject) -> Verdict:
         {"half the timestep": Variant(timestep_division=2)},
         fails_below=FAILS_BELOW,
         warns_below=WARNS_BELOW,
+        warns_above=NUMERICAL_GAIN,
     )
