@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
@@ -19,6 +20,7 @@ from robomore.rewards.check import check_reward
 from robomore.runs import Run, load_run
 from robomore.search import METHODS
 from robomore.search.named_starts import named_start
+from robomore.store import Manifest, RunFolder
 from robomore.studies import STUDIES, Results, Study, Table, run_study
 from robomore.studies.execute import cells_of, write_results
 from robomore.studies.presets import SCALES, scale
@@ -89,6 +91,20 @@ def test_an_arm_starts_from_what_it_says_and_another_start_is_another_run(tmp_pa
     other = replace(cells[0], arm=replace(cells[0].arm, start_from=("reference",)))
     with pytest.raises(RunFolderError):
         run_study(study, [other], tmp_path, executor="untrained")
+
+
+def test_a_cell_of_another_designer_or_version_is_not_taken_for_done(
+    compared: tuple[Path, Results], tmp_path: Path
+) -> None:
+    study, cells = some()
+    out = Path(shutil.copytree(compared[0], tmp_path / "study"))
+    with pytest.raises(InputError, match="another"):
+        run_study(study, cells, out, executor="untrained", designer="another")
+    path = RunFolder(out / cells[0].folder).manifest
+    manifest = Manifest.load(path)
+    replace(manifest, versions={**manifest.versions, "robomore": "0.0.1"}).save(path)
+    with pytest.raises(RunFolderError, match=r"robomore 0\.0\.1 there"):
+        run_study(study, cells, out, executor="untrained")
 
 
 @pytest.mark.parametrize("name", ["tables", "tables/found.md", "figures/iqm.svg"])
@@ -257,7 +273,7 @@ def test_a_run_that_found_nothing_is_left_out_and_counted(
         raise NothingTrained("all failed")
 
     monkeypatch.setattr("robomore.studies.execute.run", nothing)
-    monkeypatch.setattr("robomore.studies.execute._finished", lambda cell, folder: None)
+    monkeypatch.setattr("robomore.studies.execute._finished", lambda *about: None)
     monkeypatch.setattr(
         "robomore.studies.execute.load_run",
         lambda folder: replace(load_run(out / cells[0].folder), found=None, reference=None),

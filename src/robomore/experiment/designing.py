@@ -79,6 +79,7 @@ def choose_designer(
         return ChosenDesigner(
             designer, made.provenance, lambda folder, stack: made, reads_hints=reads
         )
+    name, identity = designer_identity(designer)
     model = _recorded(designer) if isinstance(designer, Replay) else designer
     # Before anything is written, refuse a limit that cannot be kept.
     BudgetedClient(model.model, MemoryLog(), model.budget)
@@ -105,17 +106,28 @@ def choose_designer(
 
     provenance = f"Proposed by a language model: {model.model.name}"
     if isinstance(designer, Replay):
-        identity = {**model.identity, "replayed": designer.by}
         said = f"{provenance}, as recorded in {designer.run}."
-        return ChosenDesigner(Replay.name, said, make, identity, reads_hints=True)
+        return ChosenDesigner(name, said, make, identity, reads_hints=True)
     return ChosenDesigner(
-        LanguageModel.name,
-        f"{provenance}.",
-        make,
-        model.identity,
-        model.parallel,
-        reads_hints=True,
+        name, f"{provenance}.", make, identity, designer.parallel, reads_hints=True
     )
+
+
+def designer_identity(
+    designer: str | LanguageModel | Replay | None,
+) -> tuple[str, dict[str, Any]]:
+    """Return what a manifest says of a designer: its name, and what decides its proposals.
+
+    Raises:
+        InputError: what it is to repeat was not designed by a language model.
+    """
+    if designer is None:
+        return "", {}
+    if isinstance(designer, str):
+        return designer, {}
+    if isinstance(designer, Replay):
+        return Replay.name, {**_recorded(designer).identity, "replayed": designer.by}
+    return LanguageModel.name, designer.identity
 
 
 class _Curves:

@@ -14,17 +14,20 @@ from robomore.errors import InputError, Interrupted, NothingTrained, RunFolderEr
 from robomore.events import Observer, ignore
 from robomore.executors import EXECUTORS, Executor, thread_map
 from robomore.experiment import run
+from robomore.experiment.designing import designer_identity
 from robomore.experiment.run import available_cores
 from robomore.options import with_options
 from robomore.plain_files import PlainFolder
 from robomore.runs import Run, load_run
 from robomore.search import METHODS, make_method
 from robomore.settings import from_options
+from robomore.store import package_versions
 from robomore.studies.presets import Scale
 from robomore.studies.remeasured import remeasure
 from robomore.studies.retraining import retraining
 from robomore.studies.study import Arm, Cell, Results, Study
 from robomore.tasks import get_task
+from robomore.training.settings import packages_for
 
 FORMATS = ("svg", "pdf", "png")
 
@@ -116,14 +119,15 @@ def run_study(
             cell = retraining(cell, searches) if cell.retrains else cell
             folder = out / cell.folder
             observe = tell(index, cell)
-            found = _finished(cell, folder)
+            asks = make_method(cell.settings.method).needs_designer
+            asked = (designer or "offline") if asks else None
+            found = _finished(cell, folder, asked)
             if found is None:
-                asks = make_method(cell.settings.method).needs_designer
                 try:
                     found = run(
                         cell.task,
                         cell.settings,
-                        designer=designer if asks else None,
+                        designer=asked,
                         seed=cell.seed,
                         executor=executor,
                         out=folder,
@@ -207,18 +211,29 @@ def _drawn(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
         pyplot.close(figure)
 
 
-def _finished(cell: Cell, folder: Path) -> Run | None:
+def _finished(
+    cell: Cell, folder: Path, designer: str | LanguageModel | Replay | None
+) -> Run | None:
     """Return the run of a cell that is done; what is not, or is another run, is left to `run`."""
     try:
         found = load_run(folder)
     except RunFolderError:
         return None
-    manifest = found.manifest
-    starts = tuple(start.origin for start in manifest.starts)
-    same = (manifest.task, manifest.seed, manifest.settings, starts) == (
+    manifest, settings = found.manifest, cell.settings
+    known = (
+        manifest.task,
+        manifest.seed,
+        manifest.settings,
+        tuple(start.origin for start in manifest.starts),
+        (manifest.designer, manifest.designer_settings),
+        manifest.versions,
+    )
+    wanted = (
         cell.task,
         cell.seed,
-        cell.settings,
+        settings,
         cell.arm.start_from,
+        designer_identity(designer),
+        package_versions(*packages_for(settings.trainer)),
     )
-    return found if same and found.final and not found.task_changes else None
+    return found if known == wanted and found.final and not found.task_changes else None
