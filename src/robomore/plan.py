@@ -25,7 +25,8 @@ class Stage:
     Attributes:
         name: as in `Place.stage` and `Slot.stage`.
         axes: what each number of `Place.index` counts. A stage whose axes are `morphology` and
-            `reward` is a grid, which is drawn as a heat map.
+            `reward` is a grid, which is drawn as a heat map. One whose first axis is `branch` goes on
+            in all branches side by side.
         shape: the most along each axis.
         proposals: the most proposals, as (`propose` or `improve`, `morphology` or `reward`, count);
             where a method chooses a kind as it goes, the sum over kinds is the most.
@@ -67,6 +68,13 @@ class Plan:
         names = [stage.name for stage in self.stages]
         stage = names.index(place.stage) if place.stage in names else len(names)
         return (stage, *place.index, place.changed == "reward", place.repeat)
+
+    def moment(self, place: Place) -> tuple[int, ...]:
+        """Return what places are sorted by to stand in the order in which they were measured."""
+        stage, *_ = self.position(place)
+        branches = self.stage(place.stage).axes[:1] == ("branch",)
+        index = (*place.index[1:], place.changed == "reward", place.repeat, *place.index[:1])
+        return (stage, *index) if branches else self.position(place)
 
     @property
     def proposals(self) -> Mapping[tuple[str, str], int]:

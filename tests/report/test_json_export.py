@@ -76,8 +76,8 @@ def test_the_pairs_of_the_final(data: dict[str, Any]) -> None:
 
 def test_counts_cost_and_lineage(data: dict[str, Any]) -> None:
     assert data["evaluations"] == {"ok": 34, "reward-failed": 1, "timed-out": 1}
-    assert data["cost"]["steps"] == 94_000
-    assert data["cost"]["search_steps"] == 14_000
+    assert data["cost"]["steps"] == 96_000
+    assert data["cost"]["search_steps"] == 16_000
     first, second = data["lineage"]
     assert first["place"] == "coarse: morphology 4, reward 3"
     assert second["parent"] == first["key"]

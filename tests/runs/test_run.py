@@ -99,8 +99,8 @@ def test_the_champions_role_is_its_group(tmp_path: Path, role: str) -> None:
 def test_every_evaluation_is_counted_once_by_status(finished: Run) -> None:
     assert finished.counts == {Status.OK: 34, Status.REWARD_FAILED: 1, Status.TIMED_OUT: 1}
     assert finished.cost.evaluations == 36
-    assert finished.cost.steps == 14 * 1_000 + 20 * 4_000
-    assert finished.search_steps == 14 * 1_000
+    assert finished.cost.steps == 16 * 1_000 + 20 * 4_000
+    assert finished.search_steps == 16 * 1_000
     assert finished.cost.core_seconds == pytest.approx(36 * 2.5)
 
 
@@ -260,7 +260,7 @@ def test_runs_stand_side_by_side_whatever_their_method(tmp_path: Path) -> None:
     assert rows[0]["ratio"] == pytest.approx(7.4956, rel=1e-4)
     assert rows[0]["ratio_low"] < rows[0]["ratio"] < rows[0]["ratio_high"]
     assert rows[2]["ratio"] == pytest.approx(1.0)
-    assert [row["search_steps"] for row in rows] == [14_000, 4_000, 1_000]
+    assert [row["search_steps"] for row in rows] == [16_000, 4_000, 1_000]
     assert msgspec.json.decode(msgspec.json.encode(rows)) == rows
 
 

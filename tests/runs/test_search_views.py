@@ -76,12 +76,13 @@ def test_the_best_so_far_rises_over_the_steps_that_were_spent(tmp_path: Path) ->
     run = load_run(tmp_path)
     points = progress(run)
     assert [point.steps for point in points[:3]] == [1_000, 2_000, 3_000]
-    # A failed training costs its steps or none, and is no point.
+    # A failed training is no point, and costs what it was asked for.
     assert len(points) == 11 + 3
     best = [point.best for point in points]
     assert best == sorted(best)
     assert max(point.score for point in points) == best[-1]
-    assert points[-1].steps == run.search_steps
+    # The very last training failed.
+    assert points[-1].steps == run.search_steps - 1_000
 
 
 def test_a_training_that_goes_on_is_paid_once(tmp_path: Path) -> None:
@@ -102,6 +103,26 @@ def test_a_training_that_goes_on_is_paid_once(tmp_path: Path) -> None:
     assert found.search_steps == 1_000
     # What screening looked at is no candidate.
     assert [record.evaluation.key for record in found.searched] == ["whole"]
+
+
+def test_what_is_screened_counts_before_anything_is_trained_to_the_end(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    for number, steps in enumerate((200, 1_000, 400, 1_000)):
+        design = Design(run.morphology(0.1 * (number + 1)), run.reward(1.0))
+        run.add(design, Place(stage="coarse", index=(number, 0)), 3.0 + number, steps=steps)
+    # 4 x 200 to the first rung, 3 x 200 to the second, and 600 for each that goes on.
+    assert [point.steps for point in progress(load_run(tmp_path))] == [2_000, 2_600]
+
+
+def test_branches_advance_side_by_side(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    for branch in (0, 1):
+        for cycle in (0, 1):
+            design = Design(run.morphology(0.1 + branch / 2 + cycle / 4), run.reward(1.0))
+            place = Place(stage="fine", index=(branch, cycle), changed="morphology")
+            run.add(design, place, 1.0)
+    order = [point.record.place.index for point in progress(load_run(tmp_path))]
+    assert order == [(0, 0), (1, 0), (0, 1), (1, 1)]
 
 
 def test_slots_that_stayed_empty_are_named_in_the_order_of_the_search(tmp_path: Path) -> None:

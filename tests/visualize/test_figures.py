@@ -97,7 +97,7 @@ def test_several_runs_are_lines_of_one_figure(run: Run, tmp_path: Path) -> None:
     random_run(tmp_path)
     ax = best_so_far(compare([run, tmp_path]))
     assert [line.get_label() for line in ax.lines] == ["robomore, seed 7", "random, seed 7"]
-    assert [line.get_xdata()[-1] for line in ax.lines] == [14_000, 4_000]
+    assert [line.get_xdata()[-1] for line in ax.lines] == [15_000, 4_000]
 
 
 def test_the_pairs_are_bars_with_a_dot_for_each_seed(run: Run) -> None:

@@ -60,10 +60,11 @@ def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
 def trained_steps(evaluations: Iterable[Evaluation]) -> int:
     """Return the control steps of training that evaluations took; what was continued counts once.
 
-    A training that went on from rung to rung has an evaluation for each, of the same steps.
+    A training that went on from rung to rung has an evaluation for each, of the same steps. One
+    that failed counts in full, as it does for a budget: how far it came is not known.
     """
     longest: dict[object, int] = {}
     for evaluation in evaluations:
         training = same_training(evaluation)
-        longest[training] = max(evaluation.steps, longest.get(training, 0))
+        longest[training] = max(evaluation.job.steps, longest.get(training, 0))
     return sum(longest.values())

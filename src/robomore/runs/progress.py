@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from robomore.runs.lineage import Record, same_training
@@ -29,20 +31,31 @@ class Point:
 
 
 def progress(run: Run) -> tuple[Point, ...]:
-    """Return what a search measured, in its order; what failed or was cut only costs steps."""
+    """Return what a search measured, in the order in which it did; failures and cuts cost steps.
+
+    Where pairs are screened, all are trained to the first rung before any goes on to the second.
+    """
     whole = {id(record) for record in run.searched}
     points: list[Point] = []
     trained: dict[object, int] = {}
     spent = 0
-    for record in run.records:
-        evaluation = record.evaluation
-        if run.plan.stage(record.place.stage).role == "final":
-            continue
-        before = trained.get(same_training(evaluation), 0)
-        trained[same_training(evaluation)] = max(before, evaluation.steps)
-        spent += max(0, evaluation.steps - before)
-        score = evaluation.score(run.objective)
-        if id(record) in whole and score is not None:
+    for rung, record in _in_time(run):
+        training = same_training(record.evaluation)
+        spent += max(0, rung - trained.get(training, 0))
+        trained[training] = max(rung, trained.get(training, 0))
+        score = record.evaluation.score(run.objective)
+        ended = rung == record.evaluation.job.steps
+        if ended and id(record) in whole and score is not None:
             best = max(score, points[-1].best) if points else score
             points.append(Point(record, spent, score, best))
     return tuple(points)
+
+
+def _in_time(run: Run) -> Iterator[tuple[int, Record]]:
+    """Yield the records of the search, once for each number of steps that they were trained to."""
+    search = [r for r in run.records if run.plan.stage(r.place.stage).role != "final"]
+    search.sort(key=lambda record: run.plan.moment(record.place))
+    for _, group in groupby(search, key=lambda record: record.place.stage):
+        records = list(group)
+        for rung in sorted({record.evaluation.job.steps for record in records}):
+            yield from ((rung, one) for one in records if one.evaluation.job.steps >= rung)
