@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Generator, Sequence
@@ -31,7 +32,7 @@ from untrained import Untrained
 
 ROOT = Path(__file__).parents[1]
 TASK = "half-cheetah"
-"""Of `make demo`, whose run the documents read."""
+"""Of the run that the documents make, and of the one that stands for `make demo`'s."""
 
 _PYTHON = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -88,6 +89,7 @@ def home(still: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     home = tmp_path_factory.mktemp("home")
     (home / "examples").mkdir()
     run = robomore.run(TASK, "quick", executor="with-policies", out=home / "runs" / "demo")
+    shutil.copytree(home / "runs" / "demo", home / "runs" / "cheetah")
     robomore.run(
         TASK,
         with_method(preset("quick"), "random"),
