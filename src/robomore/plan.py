@@ -25,8 +25,8 @@ class Stage:
     Attributes:
         name: as in `Place.stage` and `Slot.stage`.
         axes: what each number of `Place.index` counts. A stage whose axes are `morphology` and
-            `reward` is a grid, which is drawn as a heat map. One whose first axis is `branch` goes on
-            in all branches side by side.
+            `reward` is a grid, which is drawn as a heat map. One whose first axis is `branch`
+            goes on in all branches side by side.
         shape: the most along each axis.
         proposals: the most proposals, as (`propose` or `improve`, `morphology` or `reward`, count);
             where a method chooses a kind as it goes, the sum over kinds is the most.
@@ -98,5 +98,5 @@ class Plan:
             if place.changed:
                 said.append(f"new {place.changed}")
             if place.repeat:
-                said.append(f"training seed {place.repeat + 1}")
+                said.append("second training seed")
         return f"{place.stage}: {', '.join(said)}" if said else place.stage

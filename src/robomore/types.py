@@ -314,11 +314,12 @@ class Evaluation:
 
 
 def finished(evaluations: Sequence[Evaluation]) -> list[Evaluation]:
-    """Return those that were trained to the end, and those that failed on the way.
+    """Return those that were trained the longest, and those that failed on the way.
 
     Screening cuts the training of others short, and numbers after fewer steps do not compare.
+    Where all that were to be trained to the end failed, the next ones stand in their place.
     """
-    full = max((e.job.steps for e in evaluations), default=0)
+    full = max((e.job.steps for e in evaluations if e.ok), default=0)
     return [e for e in evaluations if e.job.steps == full or not e.ok]
 
 

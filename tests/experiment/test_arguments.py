@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,11 @@ import numpy as np
 import pytest
 
 from robomore.errors import InputError
-from robomore.experiment import run
+from robomore.experiment import evaluate, run
 from robomore.experiment.arguments import ensure_usable
+from robomore.settings import preset
+
+SMOKE = preset("smoke")
 
 
 @pytest.mark.parametrize(
@@ -33,6 +37,30 @@ def test_a_wrong_kind_is_refused(wrong: dict[str, Any], said: str, tmp_path: Pat
         run("swimmer", "smoke", **({"out": tmp_path / "run"} | wrong))
     assert said in str(raised.value)
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"objective": "eficiency"}, "the objective is 'eficiency'; choose efficiency, fitness"),
+        ({"final": replace(SMOKE.final, seeds=0)}, "final.seeds is 0; give a whole number from 1"),
+        ({"final": replace(SMOKE.final, finalists=0)}, "final.finalists is 0"),
+        ({"candidate": replace(SMOKE.candidate, episodes=0)}, "candidate.episodes is 0"),
+        ({"evaluations": 2.5}, "evaluations is 2.5"),
+    ],
+)
+def test_settings_of_one_s_own_are_checked_before_the_search(
+    changed: dict[str, Any], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError) as raised:
+        run("swimmer", replace(SMOKE, **changed), out=tmp_path / "run")
+    assert said in str(raised.value)
+    assert not (tmp_path / "run").exists()
+
+
+def test_no_steps_are_not_the_preset_s() -> None:
+    with pytest.raises(InputError, match="the number of steps is 0"):
+        evaluate("swimmer", settings="smoke", steps=0)
 
 
 def test_numbers_of_numpy_are_numbers() -> None:

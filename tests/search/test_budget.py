@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 
 from robomore.search.budget import BudgetedEvaluate, BudgetSpent
 from robomore.settings import Budget
-from robomore.types import Design, Morphology, Place, Reward, Trial
-from search.fakes import STEPS, CountingDesigner, Measuring, context, robomore, sizes
+from robomore.types import Design, Evaluation, Morphology, Place, Reward, Trial
+from search.fakes import (
+    STEPS,
+    CountingDesigner,
+    Measuring,
+    context,
+    evaluation,
+    robomore,
+    sizes,
+)
 
 
 def trial(morphology: float, repeat: int = 0) -> Trial:
@@ -37,6 +47,22 @@ def test_the_same_training_is_paid_for_once_and_going_on_for_the_rest() -> None:
     assert evaluate.spent == 1.2 * STEPS
     with pytest.raises(BudgetSpent):
         evaluate([trial(1, repeat=2)])
+
+
+def test_a_design_stands_once_and_by_the_mean_of_its_seeds() -> None:
+    lucky = {(2.0, 0): 9.0, (2.0, 1): 1.0}
+
+    def measured(trials: Sequence[Trial], *, budget_fraction: float = 1.0) -> list[Evaluation]:
+        return [
+            evaluation(one.design, lucky.get((body, one.place.repeat), body))
+            for one in trials
+            for body in one.design.morphology.parameters
+        ]
+
+    evaluate = BudgetedEvaluate(measured, Budget(STEPS), None)
+    evaluate([trial(2), trial(2, repeat=1), trial(6), trial(3)])
+    best = evaluate.best("efficiency")
+    assert [e.design.morphology.parameters[0] for e in best] == [6.0, 2.0, 3.0]
 
 
 def test_without_a_budget_nothing_ends() -> None:

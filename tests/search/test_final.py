@@ -111,6 +111,17 @@ def test_the_reference_is_champion_where_all_others_fail() -> None:
     assert pair(result.champion) == pair(result.reference) == (7.0, 1.0)
     assert pair(result.found) == (1.0, 5.0), "the search's best is told all the same"
     assert len(asked) == len(set(asked)) == len(result.passed_over), "each is audited once"
+    # A pair that trained on no seed has no seat, even where the reference is beyond the limits.
+    result = final(
+        Measuring(lambda body, reward: None if (body, reward) == (1.0, 1.0) else 1.0),
+        [evaluation(Design(Morphology((1.0,)), Reward("5.0")), 9.0)],
+        REFERENCE,
+        2,
+        "efficiency",
+        lambda morphology: morphology.parameters != REFERENCE.morphology.parameters,
+        lambda group: "no",
+    )
+    assert pair(result.champion) == (7.0, 1.0)
     # What is no better than the reference need not be audited.
     result, _ = play(lambda morphology, reward: morphology / reward, doubt=doubt)
     assert not result.passed_over

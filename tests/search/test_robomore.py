@@ -10,7 +10,7 @@ import pytest
 
 from robomore.errors import NothingTrained, ProposalFailed
 from robomore.search.measure import improves, ranked, top
-from robomore.search.robomore.branch import Branch
+from robomore.search.robomore.branch import REPEAT, Branch
 from robomore.search.robomore.coarse import coarse
 from robomore.search.robomore.fine import fine
 from robomore.search.robomore.method import RoboMoRe
@@ -187,7 +187,7 @@ def test_a_close_call_is_decided_by_a_second_seed(
         assert repeats == [[0], [0]]
         return
     # The start is measured again with the first close call only, and so is each new best.
-    assert repeats[:3] == [[0], [1, 1], [0]]
+    assert repeats[:3] == [[0], [REPEAT, REPEAT], [0]]
     assert all(len(batch) == 1 for batch in repeats[2:])
     again = measuring.batches[1]
     assert [numbers(t.design) for t in again] == [(2.0, 10.0), (1.0, 10.0)]
@@ -198,7 +198,7 @@ def test_a_close_call_is_decided_by_a_second_seed(
 def test_a_lucky_first_seed_does_not_win_a_close_call() -> None:
     measuring = Noisy(
         lambda m, r: 100.0,
-        lambda m, r, repeat: 0.1 * (m == 2 and repeat == 0) - 0.2 * (m == 2 and repeat == 1),
+        lambda m, r, repeat: 0.1 * (m == 2 and repeat == 0) - 0.2 * (m == 2 and repeat == REPEAT),
     )
     start = measuring.seeded(design(1, 10), 0)
     (best,) = fine(CountingDesigner(), measuring, [start], [start], 1, 1, context(), 0.2)

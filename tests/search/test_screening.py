@@ -150,6 +150,8 @@ def test_only_what_was_trained_alike_is_compared_and_failures_are_told() -> None
     failed, short, long = trained(None, 10), trained(1.0, 10), trained(1.0, 20)
     assert finished([]) == []
     assert finished([failed, short, long]) == [failed, long]
+    late = trained(None, 20)
+    assert finished([failed, short, late]) == [failed, short, late], "one late failure ruins none"
 
 
 def test_a_screened_grid_of_failures_says_why() -> None:

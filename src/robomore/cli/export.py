@@ -39,7 +39,7 @@ def export(
     wall: Annotated[float, Parameter(group=_PRINT)] = 1.2,
     gap: Annotated[float, Parameter(group=_PRINT)] = 0.4,
 ) -> None:
-    """Write a run's champion as files for other programs, all its evaluations as one table, or both.
+    """Write a run's champion as files for other programs, a table of all its evaluations, or both.
 
     Parameters
     ----------

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from numbers import Integral
+from typing import get_args
 
 from robomore.errors import InputError
 from robomore.search import SearchMethod
-from robomore.settings import RunSettings
+from robomore.settings import Budget, Objective, RunSettings
 from robomore.tasks import Task
 
 
@@ -41,6 +42,23 @@ def ensure_whole(what: str, value: object, least: int) -> None:
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise InputError(f"{what} is {value!r}; give a whole number from {least} up")
+
+
+def ensure_settings(settings: RunSettings) -> None:
+    """Refuse settings from Python that would only show to be none after the search.
+
+    Raises:
+        InputError: naming the value, the range and the remedy.
+    """
+    if settings.objective not in (known := get_args(Objective)):
+        raise InputError(f"the objective is {settings.objective!r}; choose {', '.join(known)}")
+    for stage in ("candidate", "final"):
+        budget: Budget = getattr(settings, stage)
+        ensure_whole(f"{stage}.steps", budget.steps, 1)
+        ensure_whole(f"{stage}.episodes", budget.episodes, 1)
+    ensure_whole("final.finalists", settings.final.finalists, 1)
+    ensure_whole("final.seeds", settings.final.seeds, 1)
+    ensure_whole("evaluations", settings.evaluations, 1)
 
 
 def refuse_useless(

@@ -56,6 +56,8 @@ def evaluate(
     task = get_task(task) if isinstance(task, str) else task
     settings = preset(settings) if isinstance(settings, str) else settings
     ensure_whole("the seed", seed, 0)
+    if steps is not None:
+        ensure_whole("the number of steps", steps, 1)
     budget = Budget(steps or settings.candidate.steps, settings.candidate.episodes)
     ensure_trainer(settings.trainer, budget.steps)
     mode, _ = choose_containment(containment, ours=reward is None)

@@ -19,7 +19,7 @@ from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitRe
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
-from robomore.experiment.arguments import ensure_usable, refuse_useless
+from robomore.experiment.arguments import ensure_settings, ensure_usable, refuse_useless
 from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
@@ -34,6 +34,7 @@ from robomore.runs import Run, load_run
 from robomore.search import Final, SearchContext, SearchMethod, final, make_method
 from robomore.search.budget import BudgetedEvaluate, BudgetSpent
 from robomore.search.final import stage as final_stage
+from robomore.search.measure import distinct
 from robomore.search.starts import usable
 from robomore.settings import RunSettings, preset
 from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package_versions
@@ -112,6 +113,7 @@ def run(
     observe = one_at_a_time(both(observe, tracking))
     name = name or (settings if isinstance(settings, str) else "custom")
     settings = preset(settings) if isinstance(settings, str) else settings
+    ensure_settings(settings)
     method = make_method(settings.method)
     make_executor = _executor(executor, workers)
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
@@ -231,7 +233,7 @@ def run(
             best = _search(method, recorded, evaluator, context, budget_steps)
             outcome = final(
                 partial(evaluator.measure, budget=settings.final, refuse=False),
-                best[: settings.final.finalists],
+                distinct(best)[: settings.final.finalists],
                 context.reference,
                 settings.final.seeds,
                 settings.objective,
@@ -287,6 +289,11 @@ def _search(
         best = method.run(designer, evaluate, context)
     except BudgetSpent:
         best = evaluate.best(context.objective)
+    except NothingTrained:
+        # The method can go no further, and what was trained before is something.
+        best = evaluate.best(context.objective)
+        if not best:
+            raise
     if not best:
         why = next((f"; for example: {e.diagnosis}" for e in evaluator.ledger.evaluations()), "")
         raise NothingTrained(f"the search trained no design that can be compared{why}")

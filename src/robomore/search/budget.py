@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from statistics import fmean
 
 from robomore.search.measure import Evaluate, ranked
 from robomore.settings import Budget
@@ -57,8 +58,19 @@ class BudgetedEvaluate:
         return measured
 
     def best(self, objective: str) -> list[Evaluation]:
-        """Return what was trained the longest, best first."""
-        return ranked(finished(list(self._measured.values())), objective)
+        """Return what was trained the longest, best first; each design once.
+
+        One that was trained with several seeds stands by their mean.
+        """
+        scores: dict[tuple[object, ...], list[float]] = {}
+        first: dict[tuple[object, ...], Evaluation] = {}
+        for evaluation in ranked(finished(list(self._measured.values())), objective):
+            design = evaluation.design
+            content = design.morphology.parameters, design.reward.source
+            first.setdefault(content, evaluation)
+            scores.setdefault(content, []).append(evaluation.score(objective) or 0.0)
+        order = sorted(first, key=lambda content: -fmean(scores[content]))
+        return [first[content] for content in order]
 
     def _cost(self, trial: Trial, budget_fraction: float) -> int:
         steps = round(budget_fraction * self._candidate.steps)

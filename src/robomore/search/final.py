@@ -94,8 +94,10 @@ def final(
     def first_sound(groups: Sequence[Group]) -> Group | None:
         for group in sorted(groups, key=lambda one: standing(one, objective), reverse=True):
             design = group[0].design
-            if same_content(design, reference) or not standing(group, objective)[0]:
+            if same_content(design, reference):
                 return group
+            if not standing(group, objective)[0]:
+                continue
             if design not in doubts:
                 doubts[design] = doubt(group)
                 if doubts[design]:

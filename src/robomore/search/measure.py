@@ -32,6 +32,14 @@ def ranked(evaluations: Iterable[Evaluation], objective: str) -> list[Evaluation
     return [evaluation for _, evaluation in sorted(scored, key=lambda pair: -pair[0])]
 
 
+def distinct(evaluations: Iterable[Evaluation]) -> list[Evaluation]:
+    """Return the first evaluation of each design; designs that differ in ideas alone are one."""
+    found: dict[tuple[object, ...], Evaluation] = {}
+    for one in evaluations:
+        found.setdefault((one.design.morphology.parameters, one.design.reward.source), one)
+    return list(found.values())
+
+
 def survivor_count(fraction: float, pairs: int) -> int:
     """Return how many of `pairs` are a fraction of them, at least one.
 

@@ -17,8 +17,9 @@ from robomore.types import Evaluation
 _ENOUGH = 2
 """Designs with two seeds from which a branch knows how far the seeds spread."""
 
-REPEAT = 1
-"""`Place.repeat` of a second training seed."""
+REPEAT = 999_999
+"""`Place.repeat` of a second training seed: none of the final's, which count from 1 up. The final
+trains with seeds that no search has chosen by."""
 
 
 @dataclass
