@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from robomore.studies.scores import aggregate_table, curve_figures, found_table, interval_figure
+from robomore.studies.scores import (
+    Bases,
+    aggregate_table,
+    curve_figures,
+    found_table,
+    interval_figure,
+)
 from robomore.studies.study import Arm, Draw, Results, Study
 from robomore.studies.table import Table
 
@@ -14,10 +20,9 @@ def _without(*parts: str) -> Arm:
     return Arm(f"without-{'-'.join(parts)}", options)
 
 
-def _full(results: Results) -> dict[str, float]:
-    """Return the mean of the whole method on each task."""
-    found = {task: results.scores(task, FULL) for task in results.tasks}
-    return {task: sum(scores) / len(scores) for task, scores in found.items() if scores}
+def _full(results: Results) -> Bases:
+    """Return the runs of the whole method on each task."""
+    return {task: results.scores(task, FULL) for task in results.tasks}
 
 
 def _tables(results: Results) -> list[Table]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from statistics import fmean
-
 from robomore.search import METHODS
 from robomore.studies.crossed import reward_table
 from robomore.studies.retraining import GIVEN
-from robomore.studies.scores import aggregate_table, curve_figures, found_table, interval_figure
+from robomore.studies.scores import (
+    Bases,
+    aggregate_table,
+    curve_figures,
+    found_table,
+    interval_figure,
+)
 from robomore.studies.study import Arm, Draw, Results, Study
 from robomore.studies.table import Table
 
@@ -33,14 +37,12 @@ def _arms() -> tuple[Arm, ...]:
     return (*own, nothing, *begun)
 
 
-def _slim(results: Results) -> dict[str, float]:
-    return {task: fmean(s) for task in results.tasks if (s := results.scores(task, SLIM))}
+def _slim(results: Results) -> Bases:
+    return {task: results.scores(task, SLIM) for task in results.tasks}
 
 
 def _tables(results: Results) -> list[Table]:
-    human = {
-        task: value for task in results.tasks if (value := results.reference(task)) is not None
-    }
+    human = {task: results.references(task) for task in results.tasks}
     return [
         found_table(results),
         aggregate_table(results, "over-human", "reference", human),

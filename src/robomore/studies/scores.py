@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from statistics import fmean
 
@@ -14,11 +14,15 @@ from robomore.statistics import (
     probability_of_improvement,
     stratified_interval,
 )
+from robomore.statistics.aggregate import Scores
 from robomore.statistics.spread import FEWEST
 from robomore.studies.remeasured import incumbents
 from robomore.studies.study import Draw, Results
 from robomore.studies.table import Entry, Table
 from robomore.visualize.studies import curves, intervals
+
+Bases = Mapping[str, Sequence[float]]
+"""What scores are divided by the mean of, on each task: the runs of an arm, or of a design."""
 
 POINTS = 60
 """Budgets at which a curve is read."""
@@ -82,40 +86,68 @@ def found_table(results: Results) -> Table:
     )
 
 
-def normalised(results: Results, arm: str, bases: Mapping[str, float]) -> list[list[float]]:
-    """Return the scores of an arm over each task's base, task by task."""
-    return [[score / base for score in results.scores(task, arm)] for task, base in bases.items()]
+def over(scores: Scores, bases: Scores) -> list[list[float]]:
+    """Return scores over the mean of each task's base, task by task."""
+    return [
+        [score / fmean(base) for score in runs] for runs, base in zip(scores, bases, strict=True)
+    ]
 
 
-def aggregate_table(results: Results, name: str, base: str, bases: Mapping[str, float]) -> Table:
+def interval_over(
+    scores: Scores, bases: Scores, *, same: bool = False
+) -> tuple[float, float] | None:
+    """Return the bootstrap interval of the IQM over a base; `None` with too few runs of either.
+
+    The base was measured in a few runs, too: they are drawn anew like those of the arm.
+
+    Args:
+        scores: of the arm, task by task.
+        bases: likewise, of what they are divided by.
+        same: whether these are the same runs.
+    """
+    if min(map(len, (*scores, *bases)), default=0) < FEWEST or min(map(min, bases)) <= 0:
+        return None
+    if same:
+        return stratified_interval(lambda runs: interquartile_mean(over(runs, runs)), scores)
+    return stratified_interval(
+        lambda runs, others: interquartile_mean(over(runs, others)), scores, bases
+    )
+
+
+def _usable(bases: Bases) -> dict[str, Sequence[float]]:
+    """Return the tasks whose base can be divided by."""
+    return {task: runs for task, runs in bases.items() if runs and fmean(runs) > 0}
+
+
+def aggregate_table(results: Results, name: str, base: str, bases: Bases) -> Table:
     """Return each arm over all tasks: IQM, mean, interval, and how likely it beats the base arm.
 
     Args:
         results: of the study.
         name: of the table.
         base: the arm, or the design, that scores are divided by.
-        bases: its score on each task; a task without one, or with none above 0, is left out.
+        bases: its runs on each task; a task without any, or whose mean is not above 0, is left out.
     """
-    bases = {task: value for task, value in bases.items() if value > 0}
+    bases = _usable(bases)
     rows: list[tuple[Entry, ...]] = []
-    against = normalised(results, base, bases) if base in results.arms else []
+    against = [results.scores(task, base) for task in bases] if base in results.arms else []
     for arm in results.arms:
-        scores = normalised(results, arm, bases)
-        if not scores or not all(scores):
+        runs = [results.scores(task, arm) for task in bases]
+        if not runs or not all(runs):
             rows.append((arm, *[None] * 6))
             continue
-        interval: tuple[float | None, float | None] = (None, None)
-        if min(map(len, scores)) >= FEWEST:
-            interval = stratified_interval(interquartile_mean, scores)
+        divisors = list(bases.values())
+        scores = over(runs, divisors)
+        interval = interval_over(runs, divisors, same=arm == base) or (None, None)
         wins = None
         if against and all(against) and arm != base:
-            wins = probability_of_improvement(scores, against)
-        count = sum(map(len, scores))
+            wins = probability_of_improvement(runs, against)
+        count = sum(map(len, runs))
         rows.append((arm, interquartile_mean(scores), *interval, mean_of_all(scores), wins, count))
     told = any(entry is not None for row in rows for entry in row[1:])
     note = (
         "IQM: the mean of the middle half of all runs. The interval is a stratified bootstrap over "
-        f"the runs of each task, and takes {FEWEST} runs of each."
+        f"the runs of each task, those that are divided by among them, and takes {FEWEST} of each."
     )
     if not told:  # a table of dashes tells nothing
         rows, note = [], "No arm has a result on each of these tasks." if bases else ""
@@ -140,16 +172,16 @@ def curve_figures(results: Results) -> dict[str, Draw]:
     return found
 
 
-def interval_figure(results: Results, bases: Mapping[str, float], base: str) -> dict[str, Draw]:
+def interval_figure(results: Results, bases: Bases, base: str) -> dict[str, Draw]:
     """Return a figure of each arm's IQM over `base`, with its interval if there are runs enough."""
-    bases = {task: value for task, value in bases.items() if value > 0}
+    bases = _usable(bases)
+    divisors = list(bases.values())
     shown: dict[str, tuple[float, tuple[float, float] | None]] = {}
     for arm in results.arms:
-        scores = normalised(results, arm, bases)
-        if scores and all(scores):
-            enough = min(map(len, scores)) >= FEWEST
-            interval = stratified_interval(interquartile_mean, scores) if enough else None
-            shown[arm] = (interquartile_mean(scores), interval)
+        runs = [results.scores(task, arm) for task in bases]
+        if runs and all(runs):
+            interval = interval_over(runs, divisors, same=arm == base)
+            shown[arm] = (interquartile_mean(over(runs, divisors)), interval)
     if not shown:
         return {}
     return {"iqm": partial(intervals, shown, f"IQM over {base}")}

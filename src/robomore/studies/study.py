@@ -141,9 +141,18 @@ class Results:
 
     def reference(self, task: str) -> float | None:
         """Return what the reference design is worth in the finals of all runs of a task."""
-        measured = (run.reference.score(self.objective) for run in self.runs(task) if run.reference)
-        values = [value for one in measured if one for value in one.values]
+        values = self.references(task)
         return fmean(values) if values else None
+
+    def references(self, task: str) -> list[float]:
+        """Return what the reference design is worth in each of its trainings, in all finals.
+
+        Runs with the same seed have the same trainings of it, which count once.
+        """
+        designs = [run.reference for run in self.runs(task) if run.reference]
+        once = {e.key: e for design in designs for e in design.evaluations}
+        scores = (one.score(self.objective) for one in once.values())
+        return [score for score in scores if score is not None]
 
 
 @dataclass(frozen=True, slots=True)
