@@ -199,6 +199,10 @@ def test_what_a_robot_stands_on() -> None:
     object.__setattr__(subject, "inspection", fallen)
     verdict = support.check(subject)
     assert verdict.outcome == "warns" and "torso and head carry 40 %" in verdict.says
+    # An Ant's first limbs are bodies of their own, and fixed to its torso.
+    ant = still(short("ant", STEPS))
+    object.__setattr__(ant, "inspection", replace(seen, support={"aux_1_geom": 0.5}))
+    assert support.check(ant).numbers["torso_share"] == 0.5
 
 
 def test_limbs_that_pass_through_each_other() -> None:

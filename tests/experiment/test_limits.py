@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,11 +22,19 @@ HALF = 0.05
 """Less than half of the reference swimmer's volume, in m³."""
 
 
-@pytest.mark.parametrize("method", ["robomore", "genetic"])
-def test_no_design_of_a_search_is_larger_than_the_limit(method: str, tmp_path: Path) -> None:
-    settings = with_options(preset("smoke"), method=method, max_volume=HALF)
-    if method == "robomore":
-        settings = with_options(preset("smoke"), max_volume=HALF)
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"method": "genetic"},
+        {"method": "eureka"},
+        {"method_options": {"without": ["morphology"]}},
+    ],
+)
+def test_no_design_of_a_search_is_larger_than_the_limit(
+    options: dict[str, Any], tmp_path: Path
+) -> None:
+    settings = with_options(preset("smoke"), max_volume=HALF, **options)
     found = run("swimmer", settings, executor="untrained", out=tmp_path / "run")
     assert found.searched
     assert all(r.evaluation.volume <= HALF for r in found.searched if r.evaluation.ok)

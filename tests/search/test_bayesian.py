@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from robomore.search.bayesian.process import (
     log_expected_improvement,
 )
 from robomore.tasks import get_task
+from robomore.tasks.fitness import Fitness
 from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Design, Morphology, Reward
 from search.fakes import evaluation
@@ -93,3 +95,9 @@ def test_what_is_learned_is_the_fitness_and_failures_count_as_little() -> None:
     assert known_part(space, values, "efficiency")[0] == pytest.approx(-math.log(volume))
     assert learned == pytest.approx([math.log(8 * volume), math.log(0.02 * 8 * volume)])
     assert _learned(space, values, found, "fitness")[0] == pytest.approx(math.log(4.0))
+    # A fitness that may be below 0 has no logarithm, and tells good from bad all the same.
+    frugal = Fitness.sum((1.0, "distance"), (-0.01, "energy"), unit="m")
+    space = UnitSpace(replace(task, fitness=frugal))
+    below = [replace(one, fitness=score) for one, score in zip(found, (-0.5, -5.0), strict=True)]
+    assert _learned(space, values, below, "fitness").tolist() == [-0.5, -5.0]
+    assert _learned(space, values, found, "fitness").tolist() == [4.0, 4.0]

@@ -311,15 +311,40 @@ def test_the_slim_reference_is_the_first_row_and_may_win() -> None:
     assert sum(slot.kind == "morphology" for slot in designer.asked) == 2
 
 
-@pytest.mark.parametrize("without", ["coarse", "morphology"])
-def test_of_one_row_the_slim_reference_is_all_unless_morphology_is_left_out(without: str) -> None:
+def test_what_stands_in_the_grid_anyway_takes_one_place() -> None:
+    slim, own = thinnest(get_task("swimmer")), context().reference.reward
+
+    class Begun(CountingDesigner):
+        def propose_morphology(self, slot: Slot, earlier: Sequence[Morphology]) -> Morphology:
+            return slim if slot.index == (0,) else super().propose_morphology(slot, earlier)
+
+        def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
+            return own
+
+    measuring = Measuring(lambda morphology, reward: 1.0)
+    settings = sizes(3, 2, slim_reference="in", reference_reward="in", max_cycles=0)
+    robomore(Begun(), measuring, settings)
+    (grid,) = measuring.batches
+    assert len({trial.design for trial in grid}) == len(grid) == 2
+    assert [trial.design.morphology for trial in grid].count(slim) == 1
+
+
+def test_without_the_coarse_stage_the_search_begins_at_a_proposed_pair() -> None:
     measuring = Measuring(lambda morphology, reward: 1.0)
     designer = CountingDesigner()
-    settings = sizes(3, 2, slim_reference="in", max_cycles=0, without=(without,))
+    options = {"slim_reference": "in", "reference_reward": "in", "max_cycles": 0}
+    robomore(designer, measuring, sizes(3, 2, **options, without=("coarse",)))
+    ((only,),) = measuring.batches
+    assert numbers(only.design) == (1.0, 10.0)
+    assert [slot.kind for slot in designer.asked] == ["morphology", "reward"]
+
+
+def test_without_the_morphology_all_rewards_are_tried_on_the_reference() -> None:
+    measuring = Measuring(lambda morphology, reward: 1.0)
+    designer = CountingDesigner()
+    settings = sizes(3, 2, slim_reference="in", max_cycles=0, without=("morphology",))
     robomore(designer, measuring, settings)
-    reference = context().reference.morphology
-    only = thinnest(get_task("swimmer")) if without == "coarse" else reference
-    assert {t.design.morphology for t in measuring.batches[0]} == {only}
+    assert {t.design.morphology for t in measuring.batches[0]} == {context().reference.morphology}
     assert all(slot.kind == "reward" for slot in designer.asked)
 
 

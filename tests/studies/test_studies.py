@@ -234,6 +234,22 @@ def test_a_design_found_in_one_task_is_trained_in_the_others(tmp_path: Path) -> 
         run_study(study, others, tmp_path, executor="untrained")
 
 
+def test_what_a_search_did_not_find_is_trained_nowhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = STUDIES.get("robustness-terrain")
+    cells = cells_of(study, ["ant-snow"], scale("smoke"), 2)
+    whole = run_study(study, cells, tmp_path, executor="untrained")
+    known = {cell.folder: run for cell, run in whole.cells}
+    lost = cells[0].folder
+    known[lost] = replace(known[lost], found=None)
+    monkeypatch.setattr(
+        "robomore.studies.execute._finished", lambda cell, *about: known[cell.folder]
+    )
+    results = run_study(study, cells, tmp_path, executor="untrained")
+    assert [cell.seed for cell, _ in results.cells] == [0, 1, 1], "the other seed is told"
+
+
 def test_the_motivation_tells_its_four_cases(tmp_path: Path) -> None:
     study = STUDIES.get("motivation")
     cells = cells_of(study, [], scale("smoke"), 1)[:1]
@@ -327,7 +343,8 @@ def test_a_table_is_markdown_latex_and_csv() -> None:
 def test_all_arms_of_a_study_have_one_budget_and_a_folder_each() -> None:
     for name in SCALES:
         for study in map(STUDIES.get, STUDIES):
-            cells = cells_of(study, ["swimmer"], scale(name), 1)
+            tasks = [] if study.name in WITH_TASKS else ["swimmer"]
+            cells = cells_of(study, tasks, scale(name), 1)
             assert len({cell.budget_steps for cell in cells}) == 1
             assert len({cell.folder for cell in cells}) == len(cells)
             assert len(
@@ -346,6 +363,10 @@ def test_what_cannot_be_studied_is_refused() -> None:
         cells_of(STUDIES.get("comparison"), [], scale("smoke"), 0)
     with pytest.raises(InputError, match="swimer"):
         cells_of(STUDIES.get("comparison"), ["swimer"], scale("smoke"), 1)
+    with pytest.raises(InputError, match="swimmer has other parameters; choose tasks of the same"):
+        cells_of(STUDIES.get("robustness-gear"), ["swimmer"], scale("smoke"), 1)
+    with pytest.raises(InputError, match="has its own robots, for ant; leave ant-desert out"):
+        cells_of(STUDIES.get("motivation"), ["ant-desert"], scale("smoke"), 1)
     with pytest.raises(InputError, match="no preset is called 'fast'"):
         scale("fast")
     with pytest.raises(InputError, match="no study"):

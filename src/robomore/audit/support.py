@@ -21,7 +21,10 @@ def check(subject: Subject) -> Verdict:
         return Verdict(name, "skipped", "Nothing in this task touches a ground.")
     model = compile_model(subject.task, subject.parameters)
     parts = [
-        model.geom(g).name or f"geom {g}" for g in range(model.ngeom) if model.geom_bodyid[g] == 1
+        model.geom(g).name or f"geom {g}"
+        for g in range(model.ngeom)
+        # What is fixed to the torso by a body of its own is a part of it, too.
+        if model.body_weldid[model.geom_bodyid[g]] == 1
     ]
     share = sum(seen.support.get(part, 0.0) for part in parts)
     said = ", ".join(

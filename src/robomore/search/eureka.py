@@ -18,6 +18,7 @@ from robomore.errors import NothingTrained
 from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, ranked, top
 from robomore.search.method import SearchContext
+from robomore.search.population import kept_morphology
 from robomore.search.propose import filled, independent
 from robomore.search.starts import Kind
 from robomore.types import Design, Evaluation, Place, Reward, Slot, Trial
@@ -63,8 +64,10 @@ class Eureka:
             NothingTrained: no reward was proposed in the first round, or none trained.
         """
 
+        morphology = kept_morphology(context)
+
         def designed(reward: Reward) -> Design:
-            return Design(context.reference.morphology, reward)
+            return Design(morphology, reward)
 
         def first(slot: Slot) -> Reward:
             return designer.propose_reward(slot, ())

@@ -103,6 +103,18 @@ def start(task: Task) -> tuple[float, ...] | None:
     return None
 
 
+def kept_morphology(context: SearchContext) -> Morphology:
+    """Return the morphology of a search that keeps the reference's: within the run's limits.
+
+    Raises:
+        NothingTrained: no scale of the reference's radii is within them.
+    """
+    begin = start_candidate(context)
+    if begin.parameters == context.task.reference:
+        return context.reference.morphology
+    return Morphology(begin.parameters, begin.idea)
+
+
 def start_candidate(context: SearchContext) -> Candidate:
     """Return what these methods start from: the reference, if the run's limits allow it."""
     begin = start(context.task)

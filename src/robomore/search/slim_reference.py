@@ -17,6 +17,7 @@ from robomore.errors import InputError, InvalidMorphology
 from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
+from robomore.search.population import start
 from robomore.tasks.task import Task
 from robomore.tasks.unit_space import DECIMALS, UnitSpace
 from robomore.types import Design, Evaluation, Morphology, Place, Trial
@@ -80,11 +81,12 @@ class SlimReference:
 
 def thinnest(task: Task) -> Morphology:
     """Return the reference morphology with its radii at the smallest scale that the task allows, or
-    as it is where no radius could be smaller."""
+    where no radius could be smaller, as near to what it is as a run's limits allow."""
     try:
         return slim(task, SlimReferenceSettings())[0]
     except InputError:
-        return Morphology(task.reference, "the reference, whose radii cannot be scaled down")
+        begin = start(task) or task.reference
+        return Morphology(begin, "the reference, whose radii cannot be scaled down")
 
 
 def slim(task: Task, settings: SlimReferenceSettings) -> list[Morphology]:

@@ -10,7 +10,7 @@ import numpy as np
 from robomore.runs import Run
 from robomore.statistics import coefficient_of_variation, self_bleu
 from robomore.statistics.diversity import tokens
-from robomore.studies.study import Arm, Results, Study
+from robomore.studies.study import PROPOSED, Arm, Results, Study
 from robomore.studies.table import Entry, Table
 from robomore.types import Evaluation
 
@@ -112,5 +112,6 @@ DIVERSITY = Study(
         Arm("with-diversity", {"method_options": {"without": ["fine"]}}),
     ),
     tables=_tables,
-    change={"method_options": {"screening": "none"}},
+    change=PROPOSED,
+    whole_grid=True,
 )

@@ -20,11 +20,12 @@ from robomore.options import with_options
 from robomore.plain_files import PlainFolder
 from robomore.runs import Run, load_run
 from robomore.search import METHODS, make_method
-from robomore.settings import from_options
+from robomore.search.robomore.settings import RoboMoReSettings
+from robomore.settings import RunSettings, from_options
 from robomore.store import package_versions
 from robomore.studies.presets import Scale
 from robomore.studies.remeasured import remeasure
-from robomore.studies.retraining import retraining
+from robomore.studies.retraining import GIVEN, retraining
 from robomore.studies.study import Arm, Cell, Results, Study
 from robomore.tasks import get_task
 from robomore.training.settings import packages_for
@@ -50,6 +51,8 @@ def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> li
     if seeds < 1:
         raise InputError(f"--seeds is {seeds}; give a number from 1 up")
     plain = with_options(scale.settings, **study.change)
+    if study.whole_grid:
+        plain = replace(plain, evaluations=_pairs(plain))
     budget = replace(scale, settings=plain).budget_steps
     arms: list[tuple[object, Arm]] = []
     for arm in study.arms:
@@ -61,10 +64,11 @@ def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> li
             arms.append((whole, arm))
     found = []
     asked = tasks or study.tasks
+    for task in asked:
+        _refuse_misfit(study, task)
     for seed in range(seeds):
         searched: dict[str, Cell] = {}
         for task in dict.fromkeys((study.searched, *asked) if study.searched else asked):
-            get_task(task)
             for _, arm in arms:
                 settings = arm.settings(plain)
                 make_method(settings.method)
@@ -73,6 +77,33 @@ def cells_of(study: Study, tasks: Sequence[str], scale: Scale, seeds: int) -> li
                 if task == study.searched:
                     searched[arm.name] = cell
     return found
+
+
+def _pairs(settings: RunSettings) -> int:
+    """Return how many pairs the grid of the method `robomore` has."""
+    method = settings.method
+    options = from_options(RoboMoReSettings, method.options, method.name)
+    return options.morphologies * options.rewards
+
+
+def _refuse_misfit(study: Study, task: str) -> None:
+    """Refuse a task in which the designs of a study cannot be trained.
+
+    Raises:
+        InputError: naming it, and what could be studied.
+    """
+    names = get_task(task).names
+    given = any(arm.options.get("method") == GIVEN for arm in study.arms)
+    if given and task not in study.tasks:
+        raise InputError(
+            f"the study {study.name} has its own robots, for {', '.join(study.tasks)}; leave "
+            f"{task} out"
+        )
+    if study.searched and names != get_task(study.searched).names:
+        raise InputError(
+            f"the study {study.name} trains what it finds in {study.searched}, and {task} has "
+            f"other parameters; choose tasks of the same robot, such as {', '.join(study.tasks)}"
+        )
 
 
 def run_study(
@@ -107,7 +138,6 @@ def run_study(
     Raises:
         InputError: something asked for cannot be done.
         RunFolderError: a cell's folder holds another run.
-        NothingTrained: a design that was to be trained in other tasks was not found.
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
     with ExitStack() as stack:
@@ -156,7 +186,9 @@ def run_study(
         searches: list[tuple[Cell, Run]] = []
         try:
             searches = all_of(lambda cell: cell.retrains is None)
-            again = all_of(lambda cell: cell.retrains is not None)
+            # Where a search found nothing, there is nothing to train elsewhere.
+            nothing = [cell.folder for cell, run in searches if not run.found]
+            again = all_of(lambda one: bool(one.retrains and one.retrains.folder not in nothing))
         except (KeyboardInterrupt, Interrupted):
             raise Interrupted(
                 f"stopped; {len(finished)} of {len(cells)} runs are done and kept in {out}, and "

@@ -6,7 +6,7 @@ from functools import partial
 
 from robomore.runs.grid import grids
 from robomore.studies.scores import found_table
-from robomore.studies.study import Arm, Draw, Results, Study
+from robomore.studies.study import PROPOSED, Arm, Draw, Results, Study
 from robomore.studies.table import Table
 from robomore.visualize.search import heatmap
 
@@ -28,5 +28,6 @@ HEATMAPS = Study(
     ),
     tables=_tables,
     figures=_figures,
-    change={"method_options": {"screening": "none"}},
+    change=PROPOSED,
+    whole_grid=True,
 )

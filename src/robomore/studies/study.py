@@ -24,6 +24,12 @@ Draw = Callable[["Axes | None"], "Axes"]
 """Draws one figure on the given axes, or on new ones."""
 
 
+PROPOSED = {
+    "method_options": {"screening": "none", "reference_reward": "out", "slim_reference": "out"}
+}
+"""Change of a preset for studies of first proposals: a grid of nothing else, all of it trained."""
+
+
 @dataclass(frozen=True, slots=True)
 class Arm:
     """One side of a comparison.
@@ -169,6 +175,7 @@ class Study:
         change: of the preset's settings, before an arm's own.
         searched: the task whose search gives the design that is trained in all other tasks; empty
             for a search in each of them.
+        whole_grid: whether each search may use as many full trainings as the grid has pairs.
     """
 
     name: str
@@ -179,3 +186,4 @@ class Study:
     tasks: tuple[str, ...] = ("swimmer",)
     change: Mapping[str, Any] = field(default_factory=dict)
     searched: str = ""
+    whole_grid: bool = False

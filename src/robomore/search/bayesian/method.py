@@ -226,8 +226,11 @@ def _rated(
 
 def _learned(space: UnitSpace, values: Array, found: Sequence[Evaluation], objective: str) -> Array:
     """Return the log score (n,) of trained morphologies without its known part: the log fitness,
-    where efficiency is compared."""
+    where efficiency is compared. Where fitness may be below 0, it is the score as it is."""
     scores = [e.score(objective) for e in found]
+    if space.task.goal.may_be_negative:
+        worst = min((score for score in scores if score is not None), default=0.0)
+        return np.array([worst if score is None else score for score in scores])
     measured = np.array([0.0 if score is None else score for score in scores])
     fitness = measured * np.exp(-known_part(space, values, objective))
     floor = FLOOR * max(float(fitness.max()), 1e-9)

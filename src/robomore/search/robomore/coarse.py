@@ -45,11 +45,14 @@ def coarse(
     morphologies = proposals(
         designer.propose_morphology, "morphology", settings.proposed_morphologies
     )
-    if settings.slim_reference == "in":
-        morphologies.insert(0, thinnest(context.task))
+    # What a search was given to start from may be what stands in the grid anyway.
+    slim = thinnest(context.task) if settings.slim_reference == "in" else None
+    if slim and all(one is None or one.parameters != slim.parameters for one in morphologies):
+        morphologies.insert(0, slim)
     rewards = proposals(designer.propose_reward, "reward", settings.proposed_rewards)
-    if settings.reference_reward == "in":
-        rewards.insert(0, context.reference.reward)
+    own = context.reference.reward if settings.reference_reward == "in" else None
+    if own and all(one is None or one.source != own.source for one in rewards):
+        rewards.insert(0, own)
     trials = [
         Trial(Design(morphology, reward), Place(stage=COARSE, index=(i, j)))
         for i, morphology in enumerate(morphologies)

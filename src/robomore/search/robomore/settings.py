@@ -77,15 +77,19 @@ class RoboMoReSettings:
 
     @property
     def reduced(self) -> RoboMoReSettings:
-        """These settings with the sizes that are left of them without the ablated parts."""
+        """These settings with the sizes that are left of them without the ablated parts.
+
+        Without the coarse stage, the one pair is a proposed one, where something is proposed.
+        """
         one_row = {"coarse", "morphology"}.intersection(self.without)
         one_column = {"coarse", "reward"}.intersection(self.without)
+        reward = "out" if "coarse" in self.without else self.reference_reward
         return replace(
             self,
             morphologies=1 if one_row else self.morphologies,
             rewards=1 if one_column else self.rewards,
-            reference_reward="in" if "reward" in self.without else self.reference_reward,
-            slim_reference="out" if "morphology" in self.without else self.slim_reference,
+            reference_reward="in" if "reward" in self.without else reward,
+            slim_reference="out" if one_row else self.slim_reference,
             max_cycles=0 if "fine" in self.without else self.max_cycles,
             screening="none" if one_row and one_column else self.screening,
         )
