@@ -98,6 +98,6 @@ def test_what_is_learned_is_the_fitness_and_failures_count_as_little() -> None:
     # A fitness that may be below 0 has no logarithm, and tells good from bad all the same.
     frugal = Fitness.sum((1.0, "distance"), (-0.01, "energy"), unit="m")
     space = UnitSpace(replace(task, fitness=frugal))
-    below = [replace(one, fitness=score) for one, score in zip(found, (-0.5, -5.0), strict=True)]
+    below = [replace(found[0], fitness=score) for score in (-0.5, -5.0)]
     assert _learned(space, values, below, "fitness").tolist() == [-0.5, -5.0]
     assert _learned(space, values, found, "fitness").tolist() == [4.0, 4.0]
