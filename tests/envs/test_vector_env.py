@@ -224,6 +224,21 @@ def test_a_diverging_simulation_ends_its_episode(
     assert not drive(batch, 1, 0)[0].terminated.any()
 
 
+def test_a_blow_up_is_not_paid_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    task = get_task("half-cheetah")
+
+    def fast(self: object, x_velocity: float, action: object) -> tuple[float, dict[str, float]]:
+        return x_velocity, {}
+
+    batch = VectorEnv(task, task.reference, 2, fast)
+    batch.reset(0)
+    batch.data[1].qvel[0] = 1e12
+    step = batch.step(np.zeros((2, batch.action_size)))
+    assert batch.diverged.tolist() == [False, True]
+    assert step.reward[1] == 0.0
+
+
 def test_what_is_stepped_after_its_episode_counts_no_more() -> None:
     batch = simulations("hopper", 1, auto_reset=False)
     batch.reset(0)

@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 
 from robomore.evaluation import evaluate as module
+from robomore.evaluation.measure import measure
 from robomore.evaluation.request import Request, Training
+from robomore.identity import derive_seed
 from robomore.sandbox.call import SandboxResult
 from robomore.tasks import get_task
 from robomore.tasks.fingerprint import task_key
@@ -24,12 +26,18 @@ TASK = get_task("swimmer")
 OBSERVATIONS, ACTIONS, HIDDEN = 8, 2, (16, 16)
 
 
-def policy(sizes: tuple[int, ...] = (OBSERVATIONS, *HIDDEN, ACTIONS), fill: float = 0.01) -> bytes:
+def filled(
+    sizes: tuple[int, ...] = (OBSERVATIONS, *HIDDEN, ACTIONS), fill: float = 0.01
+) -> MLPPolicy:
     pairs = list(pairwise(sizes))
     return MLPPolicy(
         tuple(np.full(pair, fill, np.float32) for pair in pairs),
-        tuple(np.zeros(size, np.float32) for _, size in pairs),
-    ).to_bytes()
+        tuple(np.full(size, fill, np.float32) for _, size in pairs),
+    )
+
+
+def policy(sizes: tuple[int, ...] = (OBSERVATIONS, *HIDDEN, ACTIONS), fill: float = 0.01) -> bytes:
+    return filled(sizes, fill).to_bytes()
 
 
 def arrays(**changed: Any) -> bytes:
@@ -75,8 +83,18 @@ def evaluated(
 def test_the_best_of_several_policies_is_measured(
     evaluated: Callable[..., tuple[Evaluation, bytes]],
 ) -> None:
-    found, kept = evaluated(policy(), policy(fill=0.0))
-    assert found.ok and kept in (policy(), policy(fill=0.0))
+    apart = derive_seed(1, "choice")
+    worth = {
+        fill: measure(TASK, TASK.reference, filled(fill=fill), 1, apart).fitness
+        for fill in (0.3, 0.0)
+    }
+    best = max(worth, key=lambda fill: worth[fill])
+    assert len(set(worth.values())) == 2
+    for order in ((0.3, 0.0), (0.0, 0.3)):
+        found, kept = evaluated(*(policy(fill=fill) for fill in order))
+        assert found.ok and kept == policy(fill=best)
+        assert found.fitness is not None and found.volume == TASK.volume(TASK.reference)
+        assert found.efficiency == found.fitness / found.volume
 
 
 @pytest.mark.parametrize(

@@ -87,6 +87,9 @@ def test_what_was_cut_is_never_the_answer() -> None:
     exhaustive, _ = search(Partial(early=10.0), replace(SETTINGS, screening="none"))
     assert exhaustive == [80.0, 60.0]
     assert best == [40.0, 20.0]
+    # And here what was cut looked better than anything that was trained to the end.
+    best, _ = search(Partial(early=-100.0))
+    assert best == [80.0, 40.0]
 
 
 def test_it_is_said_who_was_cut_when_and_why() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import platform
 import shutil
@@ -16,6 +17,8 @@ from robomore.store.manifest import package_versions
 from robomore.training.compilation import CACHE_VARIABLE, training_code
 from robomore.training.warm import Shape
 from robomore.types import Limits, Status
+
+_log = logging.getLogger(__name__)
 
 
 def compiled_trainer(shape: Shape, containment: Containment) -> Path | None:
@@ -47,6 +50,8 @@ def compiled_trainer(shape: Shape, containment: Containment) -> Path | None:
         environment={CACHE_VARIABLE: str(partial)},
         mode=containment,
     )
+    if warmed.status is not Status.OK:
+        _log.warning("each training compiles for itself: %s", warmed.diagnosis)
     try:
         if warmed.status is Status.OK:
             partial.rename(folder)

@@ -62,12 +62,18 @@ def audit_design(folder: Path, task: Task, parameters: Sequence[float], policy: 
     return found
 
 
-def _told_by_run(files: PlainFolder, policy: MLPPolicy) -> float | None:
+def _earlier(files: PlainFolder, name: str, policy: MLPPolicy) -> Audit | None:
+    """Return an audit of this policy; one that is damaged, or of another policy, is made anew."""
     try:
-        earlier = load_audit(files, AUDIT)
-    except ValueError:  # it is made anew
+        earlier = load_audit(files, name)
+    except ValueError:
         return None
-    if earlier is None or earlier.policy != policy.digest:
+    return earlier if earlier and earlier.policy == policy.digest else None
+
+
+def _told_by_run(files: PlainFolder, policy: MLPPolicy) -> float | None:
+    earlier = _earlier(files, AUDIT, policy)
+    if earlier is None:
         return None
     return next((v.numbers[REPORTED] for v in earlier.verdicts if REPORTED in v.numbers), None)
 
@@ -88,8 +94,8 @@ def doubt(evaluator: Evaluator, task: Task, objective: str, group: Sequence[Eval
     if not best.artifact:
         return "it has no policy that can be audited"
     policy = MLPPolicy.load(evaluator.folder.path / name / POLICY)
-    known = load_audit(files, f"{name}/{AUDIT}")
-    if known is None or known.policy != policy.digest:
+    known = _earlier(files, f"{name}/{AUDIT}", policy)
+    if known is None:
         parameters = best.design.morphology.parameters
         known = _written(
             evaluator.folder, best.artifact, audit(Subject(task, parameters, policy, best.fitness))

@@ -137,14 +137,17 @@ class PydanticAIModel:
         return None
 
     def _once(self, request: Request, structured: bool) -> ModelResponse:
+        # Made outside of the `try`: a fault of ours is no odd answer.
+        messages, settings = _messages(request.messages), self._settings(request.sampling)
+        parameters = _parameters(request.schema if structured else None)
         try:
             response = self._loop.run(
                 self._retry_policy.timeout,
                 model_request(
                     self._model,
-                    _messages(request.messages),
-                    model_settings=self._settings(request.sampling),
-                    model_request_parameters=_parameters(request.schema if structured else None),
+                    messages,
+                    model_settings=settings,
+                    model_request_parameters=parameters,
                 ),
             )
         except UserError as error:

@@ -147,7 +147,8 @@ def _passed_over(
         keys = one.get("keys") if isinstance(one, dict) else None
         keys = keys if isinstance(keys, list) else []
         group = [by_key[str(key)] for key in keys if str(key) in by_key]
-        scores = [s for r in group if (s := r.evaluation.score(manifest.settings.objective))]
+        worths = [r.evaluation.score(manifest.settings.objective) for r in group]
+        scores = [score for score in worths if score is not None]
         if scores:
             worth = in_unit(fmean(scores), manifest.settings.objective, task.goal.unit)
             said.append(f"{group[0].place.changed} ({worth}). {one.get('reason', '')}")
