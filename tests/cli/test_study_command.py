@@ -21,7 +21,7 @@ def test_a_plan_starts_nothing(robomore_: Command, tmp_path: Path) -> None:
     said = robomore_(*words, "--out", str(tmp_path / "study"))
     assert said.status == 0
     assert "hopper-without-reward-s1" in said.out
-    assert "16 runs, at most 4,480,000 control steps: 2,560,000 of search and" in said.out
+    assert "16 runs, at most 4,760,000 control steps: 2,840,000 of search and" in said.out
     assert not (tmp_path / "study").exists()
     assert said.err == "left out, the same as another arm at this preset: without-screening\n"
 
