@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 import untrained  # noqa: F401  # makes its executor known
 from audit.canned import VERDICTS, copy_with_canned_audits
-from robomore.audit import Audit
+from robomore.audit import Audit, Subject
+from robomore.errors import FitnessFailed
 from robomore.experiment import auditing, run
 from robomore.options import with_options
 from robomore.plain_files import PlainFolder
@@ -18,6 +21,7 @@ from robomore.report.audit_words import as_markdown
 from robomore.runs import load_run
 from robomore.runs.audits import audit_of
 from robomore.settings import preset
+from robomore.store import RunFolder
 from robomore.store.audit import AUDIT, load_audit, save_audit
 
 
@@ -44,6 +48,36 @@ def test_a_file_that_is_no_audit(content: bytes, tmp_path: Path) -> None:
     (tmp_path / AUDIT).write_bytes(content)
     with pytest.raises(ValueError, match=AUDIT):
         load_audit(PlainFolder(tmp_path), AUDIT)
+
+
+def test_a_group_of_the_final_is_doubted_by_an_audit_of_its_own_policy(
+    copied: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = load_run(copied)
+    assert found.champion is not None
+    group = found.champion.evaluations
+    evaluator: Any = SimpleNamespace(folder=RunFolder(copied), restore_policies=lambda some: None)
+    said = "energy balance: 5 J came | from nowhere."
+    assert auditing.doubt(evaluator, found.task, "efficiency", group) == said
+    best = max(group, key=lambda e: e.efficiency or 0.0)
+    files, name = PlainFolder(copied), f"artifacts/{best.artifact}/{AUDIT}"
+    known = load_audit(files, name)
+    assert known is not None
+    sound = replace(known, verdicts=VERDICTS[:1])
+    save_audit(files, name, sound)
+    assert not auditing.doubt(evaluator, found.task, "efficiency", group), "what is known is read"
+    save_audit(files, name, replace(sound, policy="0" * 64))
+    assert auditing.doubt(evaluator, found.task, "efficiency", group) == said
+    files.write(name, b"[")
+    assert auditing.doubt(evaluator, found.task, "efficiency", group) == said
+
+    def fails(subject: Subject) -> Audit:
+        raise FitnessFailed("the fitness gave nan")
+
+    monkeypatch.setattr("robomore.experiment.auditing.audit", fails)
+    files.write(name, b"[")
+    told = auditing.doubt(evaluator, found.task, "efficiency", group)
+    assert told.endswith("other episodes: the fitness gave nan")
 
 
 def test_what_was_passed_over_is_told(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robomore.audit.inspection import Inspection, inspect
 from robomore.audit.variant import PLAIN, NoisyPolicy, Variant, VariedEnv, WatchedPolicy
 from robomore.envs.compile import body_facts
-from robomore.errors import FitnessFailed, TrainingDiverged, UnstableSimulation
+from robomore.errors import TrainingDiverged, UnstableSimulation
 from robomore.evaluation.measure import FinitePolicy, Measurement, measure_in
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
@@ -82,7 +82,7 @@ class Subject:
         """What was seen inside the simulation as it is; `None` where the physics diverges."""
         try:
             return inspect(self.task, self.parameters, self._finite, self.seeds[:_INSPECTED])
-        except (FitnessFailed, TrainingDiverged, UnstableSimulation):
+        except (TrainingDiverged, UnstableSimulation):
             return None
 
     @property
@@ -117,5 +117,5 @@ class Subject:
                 noisy = NoisyPolicy(self._finite, variant, spread, self.seed)
                 return measure_in(env, self.task, noisy, self.seeds)
             return measure_in(env, self.task, self._finite, self.seeds)
-        except (FitnessFailed, TrainingDiverged, UnstableSimulation):
+        except (TrainingDiverged, UnstableSimulation):
             return None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from robomore.audit import Audit, Subject, audit
 from robomore.audit.seeds import REPORTED
-from robomore.errors import InputError
+from robomore.errors import FitnessFailed, InputError
 from robomore.evaluation.evaluator import Evaluator
 from robomore.plain_files import PlainFolder
 from robomore.runs import load_run
@@ -96,10 +96,11 @@ def doubt(evaluator: Evaluator, task: Task, objective: str, group: Sequence[Eval
     policy = MLPPolicy.load(evaluator.folder.path / name / POLICY)
     known = _earlier(files, f"{name}/{AUDIT}", policy)
     if known is None:
-        parameters = best.design.morphology.parameters
-        known = _written(
-            evaluator.folder, best.artifact, audit(Subject(task, parameters, policy, best.fitness))
-        )
+        subject = Subject(task, best.design.morphology.parameters, policy, best.fitness)
+        try:
+            known = _written(evaluator.folder, best.artifact, audit(subject))
+        except FitnessFailed as error:
+            return f"its fitness cannot be measured in other episodes: {error}"
     return " ".join(f"{one.check}: {one.says}" for one in known.failed)
 
 
