@@ -141,6 +141,36 @@ def test_requests_side_by_side_do_not_pass_the_budget() -> None:
     assert len(stopped) == 5 and log.spent().requests == 3
 
 
+def test_a_prompt_that_the_budget_cannot_pay_for_is_not_sent() -> None:
+    long = request("word " * 500)
+    model, log = ScriptedModel(["fine"]), MemoryLog()
+    few = ModelBudget(tokens=estimate_prompt(long.messages) - 1)
+    with pytest.raises(BudgetExhausted, match="--max-tokens"):
+        BudgetedClient(model, log, few).ask(long)
+    assert not model.asked and not log.spent().requests
+
+
+def test_prompts_under_way_count_against_the_tokens() -> None:
+    answering, waiting = threading.Event(), threading.Event()
+
+    def slow(asked: Request) -> str:
+        waiting.set()
+        answering.wait(10)
+        return "fine"
+
+    model = ScriptedModel(slow)
+    one = estimate_prompt(request("0").messages)
+    client = BudgetedClient(model, MemoryLog(), ModelBudget(tokens=2 * one - 1))
+    with ThreadPoolExecutor(1) as pool:
+        first = pool.submit(client.ask, request("0"))
+        assert waiting.wait(10)
+        with pytest.raises(BudgetExhausted, match="--max-tokens"):
+            client.ask(request("1"))
+        answering.set()
+        assert first.result().reply == "fine"
+    assert len(model.asked) == 1
+
+
 def test_a_cost_limit_without_a_price_is_refused() -> None:
     with pytest.raises(InputError, match="--price"):
         BudgetedClient(ScriptedModel([], price=None), MemoryLog(), ModelBudget(cost=1.0))
