@@ -104,6 +104,32 @@ def test_robustness_warns_and_never_fails() -> None:
         assert verdict.outcome == "fails" and verdict.numbers["base"] == 1000.0
 
 
+@pytest.mark.parametrize(
+    ("worths", "outcome", "least"),
+    [
+        ((0.2, 1.0), "fails", 0.2),
+        ((1.0, 0.49), "fails", 0.49),
+        ((1.0, 0.51), "warns", 0.51),
+        ((1.0, 0.69), "warns", 0.69),
+        ((0.71, 1.0), "passes", 0.71),
+        ((1.0, None), "fails", 0.0),
+    ],
+)
+def test_the_variant_that_costs_most_decides(
+    worths: tuple[float | None, ...], outcome: str, least: float
+) -> None:
+    subject = restless(short("half-cheetah", STEPS))
+    plain = replace(subject.measured(), fitness=10.0)  # type: ignore[type-var]
+    subject._measured[Variant()] = plain
+    variants = (Variant(integrator="RK4"), Variant(solver="CG"))
+    for variant, worth in zip(variants, worths, strict=True):
+        left = None if worth is None else replace(plain, fitness=10 * worth)
+        subject._measured[variant] = left
+    verdict = integrator.check(subject)
+    assert verdict.outcome == outcome
+    assert verdict.numbers["least_left"] == pytest.approx(least)
+
+
 def test_what_only_other_numbers_make_large_is_a_warning() -> None:
     subject = restless(short("half-cheetah", STEPS))
     subject._measured[Variant()] = replace(subject.measured(), fitness=1.0)  # type: ignore[type-var]

@@ -30,13 +30,21 @@ def test_arrays_come_out(tmp_path: Path) -> None:
 
 def test_links_pipes_folders_and_nothing(tmp_path: Path) -> None:
     (tmp_path / "secret").write_text("secret")
-    (tmp_path / "link").symlink_to(tmp_path / "secret")
+    # Its target has one name, so that the link itself has to be what is refused.
+    (tmp_path / "other").write_text("secret")
+    (tmp_path / "link").symlink_to(tmp_path / "other")
     os.link(tmp_path / "secret", tmp_path / "second")
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()
     for name in ("link", "second", "pipe", "folder", "missing"):
         with pytest.raises(UntrustedFileError):
             read_file(tmp_path / name, 1000)
+
+
+def test_a_deflated_array_is_refused_however_small(tmp_path: Path) -> None:
+    np.savez_compressed(tmp_path / "a.npz", x=np.zeros(3, "f4"))
+    with pytest.raises(UntrustedFileError, match="not what NumPy writes"):
+        read_arrays(tmp_path / "a.npz", 10_000, 8)
 
 
 def test_bombs_and_pickles(tmp_path: Path) -> None:
