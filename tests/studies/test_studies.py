@@ -332,7 +332,7 @@ def test_the_interval_over_a_base_knows_that_the_base_was_measured_too() -> None
     assert interval_over(runs, exact) == pytest.approx(fixed)
     wider = interval_over(runs, noisy)
     assert wider and wider[0] < fixed[0] and wider[1] > fixed[1]
-    itself = interval_over(noisy, noisy, same=True)
+    itself = interval_over(noisy, noisy)
     assert itself and itself[0] <= 1 <= itself[1]
     assert interval_over(runs, [[1.0] * 4, [1.0] * 5]) is None, "four runs are no base"
     assert interval_over(runs, [[0.0] * 5, [1.0] * 5]) is None

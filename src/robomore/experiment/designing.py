@@ -79,8 +79,8 @@ def choose_designer(
         return ChosenDesigner(
             designer, made.provenance, lambda folder, stack: made, reads_hints=reads
         )
-    name, identity = designer_identity(designer)
     model = _recorded(designer) if isinstance(designer, Replay) else designer
+    name, identity = _identity(designer, model)
     # Before anything is written, refuse a limit that cannot be kept.
     BudgetedClient(model.model, MemoryLog(), model.budget)
 
@@ -125,9 +125,14 @@ def designer_identity(
         return "", {}
     if isinstance(designer, str):
         return designer, {}
+    model = _recorded(designer) if isinstance(designer, Replay) else designer
+    return _identity(designer, model)
+
+
+def _identity(designer: LanguageModel | Replay, model: LanguageModel) -> tuple[str, dict[str, Any]]:
     if isinstance(designer, Replay):
-        return Replay.name, {**_recorded(designer).identity, "replayed": designer.by}
-    return LanguageModel.name, designer.identity
+        return Replay.name, {**model.identity, "replayed": designer.by}
+    return LanguageModel.name, model.identity
 
 
 class _Curves:

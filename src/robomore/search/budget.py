@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from statistics import fmean
 
-from robomore.search.measure import Evaluate, ranked
+from robomore.search.measure import Evaluate, content, distinct, ranked
 from robomore.settings import Budget
 from robomore.types import Evaluation, Trial, finished
 
@@ -62,15 +62,11 @@ class BudgetedEvaluate:
 
         One that was trained with several seeds stands by their mean.
         """
-        scores: dict[tuple[object, ...], list[float]] = {}
-        first: dict[tuple[object, ...], Evaluation] = {}
-        for evaluation in ranked(finished(list(self._measured.values())), objective):
-            design = evaluation.design
-            content = design.morphology.parameters, design.reward.source
-            first.setdefault(content, evaluation)
-            scores.setdefault(content, []).append(evaluation.score(objective) or 0.0)
-        order = sorted(first, key=lambda content: -fmean(scores[content]))
-        return [first[content] for content in order]
+        found = ranked(finished(list(self._measured.values())), objective)
+        scores: dict[object, list[float]] = {}
+        for one in found:
+            scores.setdefault(content(one.design), []).append(one.score(objective) or 0.0)
+        return sorted(distinct(found), key=lambda one: -fmean(scores[content(one.design)]))
 
     def _cost(self, trial: Trial, budget_fraction: float) -> int:
         steps = round(budget_fraction * self._candidate.steps)
@@ -78,5 +74,4 @@ class BudgetedEvaluate:
 
 
 def _training(trial: Trial) -> tuple[object, ...]:
-    design = trial.design
-    return design.morphology.parameters, design.reward.source, trial.place.repeat
+    return *content(trial.design), trial.place.repeat

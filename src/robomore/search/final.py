@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from statistics import fmean
 
 from robomore.plan import Stage
-from robomore.search.measure import Evaluate
+from robomore.search.measure import Evaluate, content
 from robomore.settings import FinalSettings
 from robomore.types import Design, Evaluation, Morphology, Place, Trial
 
@@ -163,10 +163,7 @@ def standing(group: Group, objective: str) -> tuple[int, float]:
 
 def same_content(one: Design, other: Design) -> bool:
     """Return whether two designs are the same but for their ideas."""
-    return (one.morphology.parameters, one.reward.source) == (
-        other.morphology.parameters,
-        other.reward.source,
-    )
+    return content(one) == content(other)
 
 
 def _by_design(measured: Sequence[Evaluation], seeds: int) -> list[Group]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
 from robomore.errors import NothingTrained
-from robomore.types import Evaluation, Trial
+from robomore.types import Design, Evaluation, Trial
 
 
 class Evaluate(Protocol):
@@ -32,11 +32,16 @@ def ranked(evaluations: Iterable[Evaluation], objective: str) -> list[Evaluation
     return [evaluation for _, evaluation in sorted(scored, key=lambda pair: -pair[0])]
 
 
+def content(design: Design) -> tuple[tuple[float, ...], str]:
+    """Return what two designs share that differ in their ideas alone."""
+    return design.morphology.parameters, design.reward.source
+
+
 def distinct(evaluations: Iterable[Evaluation]) -> list[Evaluation]:
-    """Return the first evaluation of each design; designs that differ in ideas alone are one."""
-    found: dict[tuple[object, ...], Evaluation] = {}
+    """Return the first evaluation of each design."""
+    found: dict[object, Evaluation] = {}
     for one in evaluations:
-        found.setdefault((one.design.morphology.parameters, one.design.reward.source), one)
+        found.setdefault(content(one.design), one)
     return list(found.values())
 
 

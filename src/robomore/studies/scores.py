@@ -93,21 +93,19 @@ def over(scores: Scores, bases: Scores) -> list[list[float]]:
     ]
 
 
-def interval_over(
-    scores: Scores, bases: Scores, *, same: bool = False
-) -> tuple[float, float] | None:
+def interval_over(scores: Scores, bases: Scores) -> tuple[float, float] | None:
     """Return the bootstrap interval of the IQM over a base; `None` with too few runs of either.
 
-    The base was measured in a few runs, too: they are drawn anew like those of the arm.
+    The base was measured in a few runs, too: they are drawn anew like those of the arm. An arm over
+    its own runs is drawn once.
 
     Args:
         scores: of the arm, task by task.
         bases: likewise, of what they are divided by.
-        same: whether these are the same runs.
     """
     if min(map(len, (*scores, *bases)), default=0) < FEWEST or min(map(min, bases)) <= 0:
         return None
-    if same:
+    if scores == bases:
         return stratified_interval(lambda runs: interquartile_mean(over(runs, runs)), scores)
     return stratified_interval(
         lambda runs, others: interquartile_mean(over(runs, others)), scores, bases
@@ -138,7 +136,7 @@ def aggregate_table(results: Results, name: str, base: str, bases: Bases) -> Tab
             continue
         divisors = list(bases.values())
         scores = over(runs, divisors)
-        interval = interval_over(runs, divisors, same=arm == base) or (None, None)
+        interval = interval_over(runs, divisors) or (None, None)
         wins = None
         if against and all(against) and arm != base:
             wins = probability_of_improvement(runs, against)
@@ -180,7 +178,7 @@ def interval_figure(results: Results, bases: Bases, base: str) -> dict[str, Draw
     for arm in results.arms:
         runs = [results.scores(task, arm) for task in bases]
         if runs and all(runs):
-            interval = interval_over(runs, divisors, same=arm == base)
+            interval = interval_over(runs, divisors)
             shown[arm] = (interquartile_mean(over(runs, divisors)), interval)
     if not shown:
         return {}

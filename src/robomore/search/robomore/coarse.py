@@ -45,14 +45,15 @@ def coarse(
     morphologies = proposals(
         designer.propose_morphology, "morphology", settings.proposed_morphologies
     )
-    # What a search was given to start from may be what stands in the grid anyway.
-    slim = thinnest(context.task) if settings.slim_reference == "in" else None
-    if slim and all(one is None or one.parameters != slim.parameters for one in morphologies):
-        morphologies.insert(0, slim)
+    # What a search was given to start from may stand in the grid anyway: its own line stays empty.
+    if settings.slim_reference == "in":
+        slim = thinnest(context.task)
+        others = [m if m and m.parameters != slim.parameters else None for m in morphologies]
+        morphologies = [slim, *others]
     rewards = proposals(designer.propose_reward, "reward", settings.proposed_rewards)
-    own = context.reference.reward if settings.reference_reward == "in" else None
-    if own and all(one is None or one.source != own.source for one in rewards):
-        rewards.insert(0, own)
+    if settings.reference_reward == "in":
+        own = context.reference.reward
+        rewards = [own, *(r if r and r.source != own.source else None for r in rewards)]
     trials = [
         Trial(Design(morphology, reward), Place(stage=COARSE, index=(i, j)))
         for i, morphology in enumerate(morphologies)
