@@ -11,6 +11,7 @@ import pytest
 
 from robomore.errors import LedgerError
 from robomore.store.ledger import Ledger
+from robomore.store.recovery import open_or_recover
 from robomore.store.rows import digest
 from robomore.store.schema import Proposal
 from robomore.types import (
@@ -134,6 +135,41 @@ def test_every_column_is_under_the_digest(tmp_path: Path, change: str) -> None:
     for read_only in (False, True):
         with pytest.raises(LedgerError, match="digest"):
             Ledger(path, read_only)
+
+
+@pytest.mark.parametrize(
+    ("change", "lost"),
+    [
+        ("UPDATE evaluations SET body = CAST(replace(body, '11.0', '99.0') AS BLOB)", "evaluation"),
+        ("UPDATE proposals SET body = CAST(replace(body, 'thin', 'thick') AS BLOB)", "proposal"),
+        ("UPDATE events SET kind = 'finished'", "event"),
+        ("UPDATE places SET evaluation = 'k2' WHERE seq = 2", "place"),
+    ],
+)
+def test_only_rows_that_agree_with_their_digest_are_recovered(
+    tmp_path: Path, change: str, lost: str
+) -> None:
+    """What was changed can still be read, and nothing else would notice."""
+    path = tmp_path / "ledger.sqlite"
+    ledger = Ledger(path)
+    ledger.add_evaluation(GOOD)
+    ledger.add_evaluation(replace(GOOD, key="k2", fitness=0.5, efficiency=5.0))
+    for index, key in enumerate(("k2", "k1")):
+        ledger.add_place(Place(stage="coarse", index=(index,)), key)
+    ledger.add_proposal(Proposal(Slot("coarse", "morphology", (0,)), DESIGN.morphology), "abc")
+    ledger.add_event("interrupted")
+    ledger.close()
+    with sqlite3.connect(path) as db:
+        assert db.execute(change).rowcount > 0
+    found = open_or_recover(path)
+    kept = {
+        "evaluation": [one.key for one in found.evaluations()] == ["k1", "k2"],
+        "proposal": len(found.proposals()) == 1,
+        "event": [one.kind for one in found.events()] == ["interrupted"],
+        "place": len(found._execute("SELECT * FROM places")) == 2,
+    }
+    found.close()
+    assert [name for name, whole in kept.items() if not whole] == [lost]
 
 
 def test_a_file_that_is_no_ledger_is_refused(tmp_path: Path) -> None:
