@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from robomore.evaluation.request import Answer, Training, believed, checked_answer
+from robomore.evaluation.request import Answer, Training, checked_answer, checked_training
 from robomore.types import (
     Curve,
     Design,
@@ -29,13 +29,13 @@ GOOD = Evaluation(
 
 def test_a_curve_is_carried_over() -> None:
     curve = Curve((16, 32), {"alpha": (None, 0.25), "term/forward": (1.5, -2.0)})
-    assert believed(msgspec.json.encode(Training(32, curve=curve))).curve == curve
-    assert believed(msgspec.json.encode(Training(32))).curve is None
+    assert checked_training(msgspec.json.encode(Training(32, curve=curve))).curve == curve
+    assert checked_training(msgspec.json.encode(Training(32))).curve is None
 
 
 def test_names_of_series_are_made_fit_to_be_shown() -> None:
     curve = Curve((1,), {"term/\x1b[2J": (0.0,)})
-    found = believed(msgspec.json.encode(Training(1, curve=curve))).curve
+    found = checked_training(msgspec.json.encode(Training(1, curve=curve))).curve
     assert found is not None
     assert [name.isprintable() for name in found.series] == [True]
 
@@ -60,12 +60,12 @@ def test_names_of_series_are_made_fit_to_be_shown() -> None:
 )
 def test_anything_else_is_refused(curve: bytes) -> None:
     with pytest.raises(ValueError, match=r"."):
-        believed(b'{"steps": 1, "curve": ' + curve + b"}")
+        checked_training(b'{"steps": 1, "curve": ' + curve + b"}")
 
 
 def test_names_of_terms_and_notes_are_one_line_each() -> None:
     claimed = Training(1, {"a\nb\x1b[2J": TermStatistics(0.0, 0.0, 0.0)}, ("one\ntwo\u202e",))
-    found = believed(msgspec.json.encode(claimed))
+    found = checked_training(msgspec.json.encode(claimed))
     assert all(text.isprintable() for text in (*found.terms, *found.notes))
     assert "a b" in next(iter(found.terms))
 

@@ -7,8 +7,6 @@ import pytest
 from robomore.statistics import (
     interquartile_mean,
     mean_of_all,
-    optimality_gap,
-    performance_profile,
     probability_of_improvement,
     stratified_interval,
 )
@@ -28,15 +26,7 @@ B = [
 def test_points_are_those_of_rliable() -> None:
     assert interquartile_mean(A) == pytest.approx(0.8805)
     assert interquartile_mean(B) == pytest.approx(0.5584444444444444)
-    assert optimality_gap(A) == pytest.approx(0.20705555555555555)
-    assert optimality_gap(B, 0.8) == pytest.approx(0.25393333333333334)
     assert probability_of_improvement(A, B) == pytest.approx(0.7222222222222223)
-
-
-def test_profiles_are_those_of_rliable() -> None:
-    levels = [0.0, 0.5, 1.0, 2.0]
-    assert performance_profile(A, levels) == pytest.approx([1, 15 / 18, 7 / 18, 1 / 18])
-    assert performance_profile(B, levels) == pytest.approx([1, 8 / 15, 0.2, 0])
 
 
 def test_intervals_are_near_those_of_rliable() -> None:

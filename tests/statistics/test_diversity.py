@@ -1,4 +1,4 @@
-"""BLEU against sacrebleu 2.6, variation and ranks against SciPy, volumes against pymoo."""
+"""BLEU against sacrebleu 2.6, variation against SciPy, volumes against pymoo."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from robomore.statistics import (
     hypervolume,
     nondominated,
     self_bleu,
-    spearman,
 )
 from robomore.statistics.diversity import bleu, tokens
 
@@ -49,13 +48,6 @@ def test_variation_is_the_mean_over_columns() -> None:
     assert coefficient_of_variation(rows) == pytest.approx((0.408248290463863 + 0.36885556) / 2)
     with pytest.raises(ValueError, match="two rows"):
         coefficient_of_variation(rows[:1])
-
-
-def test_ranks_are_those_of_scipy() -> None:
-    first = [1, 2, 3, 4, 5, 6, 7.5, 7.5]
-    assert spearman(first, [2, 1, 4, 4, 3, 7, 6, 9]) == pytest.approx(0.8554216867469879)
-    assert spearman(first, [1] * 8) is None
-    assert spearman([1], [2]) is None
 
 
 def test_who_is_beaten_by_nobody() -> None:

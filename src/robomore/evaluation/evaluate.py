@@ -25,7 +25,7 @@ from robomore.errors import (
 )
 from robomore.evaluation.compiled import compiled_trainer
 from robomore.evaluation.measure import choose, measure
-from robomore.evaluation.request import Answer, Request, believed
+from robomore.evaluation.request import Answer, Request, checked_training
 from robomore.evaluation.train import POLICIES
 from robomore.plain_files import PlainFolder
 from robomore.rewards.check import check_reward
@@ -131,7 +131,7 @@ def _evaluate(
         )
         return failed, None
     try:
-        training = believed(trained.reply)
+        training = checked_training(trained.reply)
         policy = choose(task, parameters, _policies(job, robot, scratch), job.seed)
     except ValueError as error:
         # The names of files that it left may stand in the reason.

@@ -94,7 +94,7 @@ def checked_answer(reply: bytes, key: str, job: Job) -> Answer:
     return Answer(replace(evaluation, job=job, artifact=""), policy)
 
 
-def believed(reply: bytes) -> Training:
+def checked_training(reply: bytes) -> Training:
     """Return what a sandboxed process claims, cut to what fits a ledger and a page.
 
     Raises:

@@ -54,7 +54,7 @@ class WorkerProcess:
         """
         try:
             process = self._started()
-        except Exception as error:  # noqa: BLE001  # whatever the system refuses
+        except OSError as error:
             reason = f"the worker process could not be used ({error})"
             return Failed(reason, unstarted=True)
         assert process.stdin is not None and process.stdout is not None

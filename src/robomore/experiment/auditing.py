@@ -13,6 +13,7 @@ from robomore.plain_files import PlainFolder
 from robomore.runs import load_run
 from robomore.store import RunFolder
 from robomore.store.audit import AUDIT, load_audit, save_audit
+from robomore.store.champion import best_seed
 from robomore.tasks import Task
 from robomore.tasks.portable import is_foreign
 from robomore.training.policy import POLICY, MLPPolicy
@@ -88,7 +89,7 @@ def doubt(evaluator: Evaluator, task: Task, objective: str, group: Sequence[Eval
 
     The policy of its best training seed is audited: that is the one which a champion keeps.
     """
-    best = max(group, key=lambda e: (e.ok, e.score(objective) or 0.0))
+    best = best_seed(group, objective)
     evaluator.restore_policies([best])
     files, name = evaluator.folder.files, f"{evaluator.folder.artifacts.name}/{best.artifact}"
     if not best.artifact:

@@ -28,9 +28,7 @@ _MOST_CONTACTS = 8
 """In one frame: those of the largest force."""
 
 
-def packed_replay(
-    task: Task, parameters: tuple[float, ...], act: Act, title: str, seed: int = 0
-) -> bytes:
+def packed_replay(task: Task, parameters: tuple[float, ...], act: Act, title: str) -> bytes:
     """Roll a policy out for one episode; returns it packed (`robomore.rendering.packing`).
 
     Args:
@@ -38,7 +36,6 @@ def packed_replay(
         parameters: of its morphology, in the task's order.
         act: the policy.
         title: for people.
-        seed: of the episode's start.
 
     Raises:
         InvalidMorphology: the task refuses the parameters, or MuJoCo the model.
@@ -46,7 +43,7 @@ def packed_replay(
         ValueError: the policy was trained for another robot.
     """
     env = VectorEnv(task, parameters, 1, auto_reset=False)
-    observation = env.reset_one(0, seed)[None]
+    observation = env.reset_one(0, seed=0)[None]
     data = env.data[0]
     mujoco.mj_forward(env.model, data)
     dt = float(env.environment.dt)

@@ -1,4 +1,4 @@
-"""Rewards: the one place that reads the text of a reward.
+"""Rewards: what is wrong with the text of a reward, before anything is trained under it.
 
 A reward is program text that may come from anybody. `check` reads it and says what is wrong, `load`
 turns it into a function (only inside a sandboxed process), and `dry_run` tries it for a moment on

@@ -43,8 +43,9 @@ class Origin:
         seed: of the run.
         role: which pair of the final the champion is.
         steps: control steps of each training in the final.
-        reference_fitness: of the reference design in the same final, in m, for each training seed.
-        reference_efficiency: likewise, in m/m³.
+        reference_fitness: of the reference design in the same final, one for each seed, in the
+            goal's unit.
+        reference_efficiency: likewise, over the volume in m³.
         versions: of the packages that decide the numbers.
     """
 
@@ -96,12 +97,12 @@ class Entry:
 
     @property
     def fitness(self) -> float | None:
-        """Mean over the training seeds, in m."""
+        """Mean over the training seeds, in the goal's unit."""
         return _mean(self.facts.fitness)
 
     @property
     def efficiency(self) -> float | None:
-        """Mean over the training seeds, in m/m³."""
+        """Mean over the training seeds: fitness over the volume in m³."""
         return _mean(self.facts.efficiency)
 
 

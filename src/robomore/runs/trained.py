@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import fmean
 
 from robomore.statistics.spread import Spread, spread
+from robomore.store.champion import best_seed
 from robomore.tasks import Task
 from robomore.types import Design, Evaluation
 
@@ -51,7 +52,7 @@ class TrainedDesign:
 
     def best(self, objective: str) -> Evaluation:
         """Return the evaluation of the best training seed; there has to be one that trained."""
-        return max(self.trained, key=lambda evaluation: evaluation.score(objective) or 0.0)
+        return best_seed(self.trained, objective)
 
     def score(self, objective: str) -> Spread | None:
         """Return what is compared, over the seeds that trained; `None` if none did."""

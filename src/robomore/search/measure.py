@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from robomore.errors import NothingTrained
@@ -20,10 +20,6 @@ class Evaluate(Protocol):
         """Return evaluations after a fraction of the full training; asked for more of it later, a
         training goes on from where it was."""
         ...
-
-
-MeasureGrid = Callable[[Sequence[Trial]], list[Evaluation]]
-"""Measures the pairs of a grid, in its order, or fewer of them."""
 
 
 def ranked(evaluations: Iterable[Evaluation], objective: str) -> list[Evaluation]:

@@ -7,14 +7,11 @@
 from robomore.statistics.aggregate import (
     interquartile_mean,
     mean_of_all,
-    optimality_gap,
-    performance_profile,
     probability_of_improvement,
     stratified_interval,
 )
 from robomore.statistics.diversity import coefficient_of_variation, self_bleu
 from robomore.statistics.pareto import hypervolume, nondominated
-from robomore.statistics.rank import spearman
 from robomore.statistics.spread import Spread, bootstrap_interval, ratio, spread
 
 __all__ = [
@@ -25,12 +22,9 @@ __all__ = [
     "interquartile_mean",
     "mean_of_all",
     "nondominated",
-    "optimality_gap",
-    "performance_profile",
     "probability_of_improvement",
     "ratio",
     "self_bleu",
-    "spearman",
     "spread",
     "stratified_interval",
 ]

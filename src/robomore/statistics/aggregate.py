@@ -43,25 +43,6 @@ def mean_of_all(scores: Scores) -> float:
     return float(_all(scores).mean())
 
 
-def optimality_gap(scores: Scores, goal: float = 1.0) -> float:
-    """Return by how much the scores miss `goal` in the mean; what is above it counts as `goal`.
-
-    Raises:
-        ValueError: there is no score.
-    """
-    return goal - float(np.minimum(_all(scores), goal).mean())
-
-
-def performance_profile(scores: Scores, levels: Sequence[float]) -> list[float]:
-    """Return, for each of `levels`, the fraction of all runs whose score is above it.
-
-    Raises:
-        ValueError: there is no score.
-    """
-    flat = _all(scores)
-    return [float((flat > level).mean()) for level in levels]
-
-
 def probability_of_improvement(scores: Scores, others: Scores) -> float:
     """Return how likely a run of one method beats a run of another on the same task.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
@@ -34,15 +34,13 @@ def spread(values: Sequence[float]) -> Spread:
     return Spread(tuple(values), fmean(values), interval)
 
 
-def bootstrap_interval(
-    values: Sequence[float], statistic: Callable[[Sequence[float]], float] = fmean
-) -> tuple[float, float]:
-    """Return the percentile bootstrap interval (95 %) of a statistic of `values`.
+def bootstrap_interval(values: Sequence[float]) -> tuple[float, float]:
+    """Return the percentile bootstrap interval (95 %) of the mean of `values`.
 
     Resampling is seeded: the same values always give the same interval.
     """
     draw = random.Random(0)
-    found = sorted(statistic(draw.choices(values, k=len(values))) for _ in range(_RESAMPLES))
+    found = sorted(fmean(draw.choices(values, k=len(values))) for _ in range(_RESAMPLES))
     return _percentiles(found)
 
 

@@ -47,12 +47,12 @@ class Audit:
         task: id of the task.
         policy: `MLPPolicy.digest` of the policy. An audit of another policy says nothing.
         episodes: of each measurement.
-        fitness: in the audit's own episodes, in m; `None` where the physics diverged.
+        fitness: in the audit's own episodes, in the goal's unit; `None` where the physics diverged.
         volume: of the robot, in m³.
         efficiency: fitness / volume.
         equal_density: what the robot would do if it were made of the reference design's matter:
-            `density` in kg/m³, `mass` in kg, `fitness` in m and `efficiency` in m/m³, with the
-            same policy. Without the last two, the physics diverged.
+            `density` in kg/m³, `mass` in kg, `fitness` and `efficiency` as above, with the same
+            policy. Without the last two, the physics diverged.
         verdicts: one for each check.
         versions: of the packages that decide the numbers.
         format: of this file.

@@ -17,6 +17,16 @@ from robomore.text import to_json
 from robomore.types import Evaluation
 
 
+def best_seed(evaluations: Sequence[Evaluation], objective: str) -> Evaluation:
+    """Return the training seed of a design whose policy is kept, audited and shown.
+
+    Args:
+        evaluations: at least one of the design, one for each training seed.
+        objective: what is compared.
+    """
+    return max(evaluations, key=lambda e: (e.ok, e.score(objective) or 0.0))
+
+
 def save_champion(
     folder: RunFolder, task: Task, retrained: Sequence[Evaluation], objective: str
 ) -> None:
@@ -25,7 +35,7 @@ def save_champion(
     `retrained` holds the champion's evaluations, one for each training seed; `objective` decides
     whose policy is kept.
     """
-    best = max(retrained, key=lambda e: (e.ok, e.score(objective) or 0.0))
+    best = best_seed(retrained, objective)
     files, partial = folder.files, f"{folder.champion.name}.partial"
     files.remove(partial)
     files.make(partial)

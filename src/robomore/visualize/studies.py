@@ -106,7 +106,7 @@ def episodes(lines: Mapping[str, Sequence[float]], ax: Axes | None = None) -> Ax
     """Draw the fitness of each episode, one after the other, and a line for each case.
 
     Args:
-        lines: fitness of each episode in m, by case.
+        lines: fitness of each episode in the goal's unit, by case.
         ax: to draw on; new axes by default.
     """
     ax = axes_for(ax)

@@ -41,7 +41,7 @@ def find_code(text: str, wanted: str) -> tuple[str, bool]:
     if left_out := _LEFT_OUT.search(code):
         raise NotFound(f"the answer leaves out code (`{left_out[0]}`); answer with all of it")
     straight = straightened(code)
-    if straight != code and _tree(code) is None and _tree(straight) is not None:
+    if straight != code and parsed(code) is None and parsed(straight) is not None:
         code = straight
     return code, closed
 
@@ -58,7 +58,7 @@ def _of_characters(text: str, wanted: str) -> Block | None:
         block = _found(plain, wanted)
     except NotFound:
         return None
-    return block if _tree(block[0]) is not None else None
+    return block if parsed(block[0]) is not None else None
 
 
 def _found(text: str, wanted: str) -> tuple[str, bool]:
@@ -99,7 +99,7 @@ def _defining(blocks: Sequence[Block], wanted: str) -> list[Block]:
 
 def _is_outline(code: str, wanted: str) -> bool:
     """Return whether `wanted` has nothing but words and dots in a block of code."""
-    tree = _tree(code)
+    tree = parsed(code)
     bodies = [
         node.body
         for node in (tree.body if tree else ())
@@ -145,7 +145,7 @@ def _definitions(code: str) -> set[str]:
 
     A block that does anything else, such as a call, is an example of use. It defines nothing.
     """
-    tree = _tree(code)
+    tree = parsed(code)
     names: set[str] = set()
     for node in tree.body if tree else ():
         match node:
@@ -165,7 +165,7 @@ def _definitions(code: str) -> set[str]:
 
 def _missing_names(code: str) -> set[str]:
     """Return the names that `code` reads and binds nowhere."""
-    tree = _tree(code)
+    tree = parsed(code)
     read: set[str] = set()
     bound: set[str] = set()
     for node in ast.walk(tree) if tree else ():
@@ -189,7 +189,8 @@ def _stored(target: ast.expr) -> Iterator[str]:
             yield node.id
 
 
-def _tree(code: str) -> ast.Module | None:
+def parsed(code: str) -> ast.Module | None:
+    """Return the syntax tree of `code`; `None` if it is no Python."""
     try:
         return ast.parse(code)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -260,7 +261,7 @@ def _bare(text: str, wanted: str) -> str:
     while start > 0 and _is_code(lines[start - 1], margin) and lines[start - 1].strip():
         start -= 1
     whole = dedented(lines[start:])
-    if _tree(whole) is not None:
+    if parsed(whole) is not None:
         return whole
     end = start
     while end < len(lines) and _is_code(lines[end], margin):

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from robomore.designers.llm.code_extraction import find_code
+from robomore.designers.llm.code_extraction import find_code, parsed
 from robomore.designers.llm.extraction import NotFound, Unreadable, find_object
 from robomore.designers.llm.quantities import NoNumber, read_parameters
 from robomore.errors import InvalidMorphology
@@ -136,7 +136,7 @@ def _same(one: Sequence[float], other: Sequence[float]) -> bool:
 
 def _normalized(code: str) -> str:
     """Return a form of the code that layout, comments and docstrings do not change."""
-    tree = _tree(code)
+    tree = parsed(code)
     if tree is None:
         return code
     for node in ast.walk(tree):
@@ -157,7 +157,7 @@ def _is_text(node: ast.stmt) -> bool:
 
 def _idea(code: str) -> str:
     """Return the first line of the code's docstring, or its first comment."""
-    tree = _tree(code)
+    tree = parsed(code)
     if tree is not None:
         functions = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == NAME]
         for docstring in (*map(ast.get_docstring, functions), ast.get_docstring(tree)):
@@ -165,13 +165,6 @@ def _idea(code: str) -> str:
                 return _one_line(docstring.strip().split("\n")[0])
     comment = re.search(r"^[ \t]*#+[ \t]*(\S.*)$", code, re.MULTILINE)
     return _one_line(comment[1]) if comment else ""
-
-
-def _tree(code: str) -> ast.Module | None:
-    try:
-        return ast.parse(code)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
 
 
 def _one_line(text: Any) -> str:
