@@ -4,10 +4,10 @@
     python benchmarks/screening.py --record [--workers 2]    # what it lacks: an hour of one core
 
 The record is a grid that the offline designer proposed for a task: 25 morphologies and 5 rewards,
-each pair trained to the end and measured at every fifth of the way, and each morphology under the
-reference reward for the first fifth. The search's own screening then runs on these numbers in the
-place of training. A record can be stopped and gone on with; morphologies whose pairs are not all
-there yet are left out. To record the grid of today's designer, remove the CSV file first.
+each pair trained to the end and measured at every fifth of the way. The search's own screening then
+runs on these numbers in the place of training. A record can be stopped and gone on with;
+morphologies whose pairs are not all there yet are left out. To record the grid of today's designer,
+remove the CSV file first.
 """
 
 from __future__ import annotations
@@ -48,27 +48,21 @@ DATA = Path(__file__).parent / "data"
 STEPS = standard().candidate.steps
 """Of every pair in a record: what the coarse stage of `standard` would give to each."""
 PARTS = 5
-REFERENCE = -1
-"""Column of the reference reward in the record."""
 GRID = RoboMoReSettings(reference_reward="out", screening="halving")
-"""The grid that was recorded: five proposed rewards beside the reference reward."""
+"""The grid that was recorded: all five rewards are proposed ones."""
 
 
-def rungs(*pairs: tuple[float, float], first_look: float = 0.0) -> RoboMoReSettings:
+def rungs(*pairs: tuple[float, float]) -> RoboMoReSettings:
     """Return halving that keeps so much of the pairs after so much of the way.
 
-    Args:
-        pairs: fraction of the way, and fraction of the pairs that is kept.
-        first_look: fraction of the morphologies that get fewer rewards tried.
+    Each pair is the fraction of the way, and the fraction of the pairs that is kept.
     """
-    stops = tuple(Rung(*pair) for pair in pairs)
-    return replace(GRID, prefilter_fraction=first_look, rungs=stops)
+    return replace(GRID, rungs=tuple(Rung(*pair) for pair in pairs))
 
 
 WAYS = {
     "halving (the default)": GRID,
     "20 % keep 0.25, 40 % keep 0.1": rungs((0.2, 0.25), (0.4, 0.1)),
-    "the same with a first look": rungs((0.2, 0.25), (0.4, 0.1), first_look=0.4),
     "20 % keep 0.3, 60 % keep 0.08": rungs((0.2, 0.3), (0.6, 0.08)),
     "20 % keep 0.15": rungs((0.2, 0.15)),
 }
@@ -155,8 +149,7 @@ def record(task: Task, path: Path, steps: int, workers: int) -> None:
     morphologies = {trial.place.index[0]: trial.design.morphology for trial in grid}
     found = [row_of(line) for line in lines(path)]
     known = {(row.morphology, row.reward) for row in found}
-    wanted = [(number, REFERENCE, "") for number in morphologies]
-    wanted += [(*trial.place.index, trial.design.reward.source) for trial in grid]
+    wanted = [(*trial.place.index, trial.design.reward.source) for trial in grid]
     courses = [
         Course(
             task.id,
@@ -164,8 +157,7 @@ def record(task: Task, path: Path, steps: int, workers: int) -> None:
             morphologies[number].parameters,
             seed=0,
             trainer=trainer,
-            # Screening looks at the reference reward at the first rung alone.
-            steps=steps if source else steps // PARTS,
+            steps=steps,
             every=steps // PARTS,
             reward=source,
         )
@@ -190,10 +182,9 @@ def record(task: Task, path: Path, steps: int, workers: int) -> None:
 def whole(rows: Sequence[Row]) -> list[Row]:
     """Return the rows of those morphologies whose pairs are all there, each to its end."""
     ended = {(row.morphology, row.reward) for row in rows if row.fifth == PARTS}
-    looked = {row.morphology for row in rows if row.reward == REFERENCE}
     complete = {
         number
-        for number in looked
+        for number in {row.morphology for row in rows}
         if all((number, reward) in ended for reward in range(GRID.rewards))
     }
     return [row for row in rows if row.morphology in complete]
@@ -235,7 +226,7 @@ def screen(
         KeyError: the record lacks a pair.
     """
     known = {(row.morphology, row.reward, row.fifth): row for row in rows}
-    pairs = sorted({(r.morphology, r.reward) for r in rows if r.reward != REFERENCE})
+    pairs = sorted({(row.morphology, row.reward) for row in rows})
     trials = [
         Trial(
             Design(Morphology((float(number),)), Reward(str(reward))),
@@ -249,8 +240,7 @@ def screen(
         fifth = round(budget_fraction * PARTS)
         found = []
         for trial in asked:
-            number, *column = trial.place.index
-            reward = column[0] if trial.place.stage == COARSE else REFERENCE
+            number, reward = trial.place.index
             key = f"{number}_{reward}"
             spent[key] = max(fifth, spent.get(key, 0))
             row = known.get((number, reward, fifth))

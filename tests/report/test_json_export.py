@@ -35,7 +35,6 @@ def test_what_was_asked_for(data: dict[str, Any]) -> None:
     assert data["provenance"] == PROVENANCE
     assert [(stage["name"], stage["role"]) for stage in data["plan"]] == [
         ("coarse", "search"),
-        ("screening", "screening"),
         ("fine", "search"),
         ("final", "final"),
     ]

@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from robomore.errors import InputError, NothingTrained, ProposalFailed
+from robomore.errors import InputError, NothingTrained
 from robomore.events import Cut, Event
 from robomore.search.robomore import RoboMoRe, RoboMoReSettings, Rung
 from robomore.settings import from_options
-from robomore.types import Design, Evaluation, Morphology, Reward, Slot, Trial, finished
+from robomore.types import Design, Evaluation, Morphology, Trial, finished
 from search.fakes import (
     REFERENCE,
     STEPS,
@@ -31,7 +31,6 @@ SETTINGS = sizes(
     max_cycles=0,
     screening="halving",
     rungs=(Rung(0.1, 0.5), Rung(0.5, 0.25)),
-    prefilter_fraction=0.0,
 )
 
 
@@ -103,33 +102,6 @@ def test_it_is_said_who_was_cut_when_and_why() -> None:
     assert cuts[3].reason == "reward-failed after 100 steps"
 
 
-def test_hopeless_bodies_get_fewer_rewards_tried() -> None:
-    measuring = Partial()
-    best, told = search(measuring, replace(SETTINGS, prefilter_fraction=0.5))
-    assert best == [80.0, 60.0]
-    assert measuring.shares == [0.1, 0.1, 0.5, 1.0]
-    first_look, tried, *_ = grid(measuring)
-    assert first_look == [(body, 1.0) for body in (1, 2, 3, 4)]
-    assert tried == [(1, 10), (2, 10), (3, 10), (3, 20), (4, 10), (4, 20)]
-    untried = [event for event in told if isinstance(event, Cut) and event.steps == 0]
-    assert [c.place.index for c in untried] == [(0, 1), (1, 1)]
-    assert untried[0].reason == "its morphology is number 4 of 4 under the reference reward"
-
-
-def test_hopeless_bodies_get_the_first_reward_that_there_is() -> None:
-    class WithoutTheFirst(CountingDesigner):
-        def propose_reward(self, slot: Slot, earlier: Sequence[Reward]) -> Reward:
-            if slot.index == (0,):
-                raise ProposalFailed("no idea")
-            return super().propose_reward(slot, earlier)
-
-    measuring = Partial()
-    settings = replace(SETTINGS, rewards=3, prefilter_fraction=0.5)
-    robomore(WithoutTheFirst(), measuring, settings)
-    _, tried, *_ = grid(measuring)
-    assert tried == [(1, 10), (2, 10), (3, 10), (3, 20), (4, 10), (4, 20)]
-
-
 def test_a_designer_sees_what_was_cut_short_and_branches_start_from_the_rest() -> None:
     designer = CountingDesigner()
     settings = replace(SETTINGS, max_cycles=1)
@@ -163,28 +135,12 @@ def test_a_screened_grid_of_failures_says_why() -> None:
         search(measuring)
 
 
-def test_the_first_look_is_part_of_the_grid_if_the_reference_reward_is() -> None:
-    measuring = Partial()
-    settings = replace(
-        SETTINGS, rewards=3, reference_reward="in", prefilter_fraction=0.5, prefiltered_rewards=1
-    )
-    search(measuring, settings)
-    look, tried, *_ = measuring.batches
-    assert [(t.place.stage, t.place.index) for t in look] == [("coarse", (i, 0)) for i in range(4)]
-    # The column goes on with the others; the worst morphologies get one proposed reward more.
-    assert [t.place.index for t in tried] == [
-        *((0, 0), (0, 1), (1, 0), (1, 1)),
-        *((2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2)),
-    ]
-
-
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         ({"rungs": [{"budget_fraction": 0.0, "keep_fraction": 0.5}]}, "budget_fraction"),
         ({"rungs": [{"budget_fraction": 1.0, "keep_fraction": 0.5}]}, "budget_fraction"),
         ({"rungs": [{"budget_fraction": 0.5, "keep_fraction": 0.0}]}, "keep_fraction"),
-        ({"prefilter_fraction": 1.0}, "prefilter_fraction"),
         ({"morphologies": 0}, "morphologies"),
         ({"screening": "halve"}, "halve"),
         ({"survivors": float("nan")}, "survivors = nan"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from itertools import pairwise
 
 from robomore.plan import Plan, Stage
@@ -10,7 +9,7 @@ from robomore.search.measure import survivor_count
 from robomore.search.robomore.settings import RoboMoReSettings
 from robomore.settings import Budget
 
-COARSE, SCREENING, FINE = "coarse", "screening", "fine"
+COARSE, FINE = "coarse", "fine"
 
 _TYPICAL_CYCLES = 2
 """Cycles after which most branches have stopped improving."""
@@ -42,7 +41,6 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
                 steps=round(trainings * candidate.steps),
                 batches=batches,
             ),
-            Stage(name=SCREENING, axes=("morphology",), role="screening"),
             Stage(
                 name=FINE,
                 axes=("branch", "turn" if adaptive else "cycle"),
@@ -63,21 +61,11 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
 
 def _coarse_trainings(settings: RoboMoReSettings) -> tuple[float, int]:
     """Return how many full trainings the grid amounts to, and in how many batches they come."""
-    rows, columns = settings.morphologies, settings.rewards
-    pairs = rows * columns
+    pairs = settings.morphologies * settings.rewards
     if settings.screening == "none" or not settings.rungs:
         return pairs, 1
-    look = settings.prefilter_fraction > 0
-    racing = pairs
-    if look:
-        full = max(1, math.ceil((1 - settings.prefilter_fraction) * rows))
-        few = min(columns, settings.prefiltered_rewards + (settings.reference_reward == "in"))
-        racing = full * columns + (rows - full) * few
-    first = settings.rungs[0].budget_fraction
-    trainings = racing * first
-    if look and settings.reference_reward == "out":
-        trainings += rows * first
+    trainings = pairs * settings.rungs[0].budget_fraction
     ends = [*(rung.budget_fraction for rung in settings.rungs), 1.0]
     for rung, (begin, end) in zip(settings.rungs, pairwise(ends), strict=True):
         trainings += survivor_count(rung.keep_fraction, pairs) * (end - begin)
-    return trainings, len(settings.rungs) + 1 + look
+    return trainings, len(settings.rungs) + 1

@@ -63,12 +63,6 @@ class RoboMoReSettings:
     `halving` cuts the worst on the way (successive halving)."""
     rungs: tuple[Rung, ...] = (Rung(0.2, 0.2), Rung(0.4, 0.08))
     """With halving: where is cut. What is kept at the last rung is trained to the end."""
-    prefilter_fraction: Annotated[float, msgspec.Meta(ge=0, lt=1)] = 0.0
-    """With halving: fraction of the morphologies, worst under the reference reward at the first
-    rung, that get fewer rewards tried; 0 treats all alike."""
-    prefiltered_rewards: Annotated[int, msgspec.Meta(ge=0)] = 1
-    """With halving: proposed rewards tried on each of those, the first ones proposed."""
-
     without: tuple[Part, ...] = ()
     """Ablations: parts that are left out. Without `diversity`, proposals do not see earlier ones;
     without `coarse`, the grid is one pair; without `fine`, nothing is refined; without
