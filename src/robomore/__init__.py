@@ -19,6 +19,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from robomore.post_import import after_import
+from robomore.release import VERSION
 
 if TYPE_CHECKING:
     from robomore.experiment import evaluate, run
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from robomore.tasks import TASKS, Task, get_task
     from robomore.types import Design, Evaluation, Morphology, Reward
 
-__version__ = "0.2.0"
+__version__ = VERSION
 
 __all__ = [
     "TASKS",

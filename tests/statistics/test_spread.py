@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+import random
+
 import pytest
 
 from robomore.runs.words import with_interval
-from robomore.statistics.spread import FEWEST, bootstrap_interval, ratio, spread
+from robomore.statistics.spread import FEWEST, mean_interval, ratio, spread
 
 
 @pytest.mark.parametrize("count", range(1, FEWEST))
@@ -14,16 +17,42 @@ def test_few_values_have_no_interval(count: int) -> None:
     assert (one.mean, one.interval, len(one.values)) == (3.0, None, count)
 
 
-def test_the_interval_holds_the_mean_and_stays_within_the_values() -> None:
+def test_the_interval_of_a_mean_is_that_of_scipy() -> None:
     values = [1.0, 2.0, 3.0, 4.0, 10.0]
-    low, high = bootstrap_interval(values)
-    assert 1.0 <= low < 4.0 < high <= 10.0
-    assert spread(values).interval == (low, high)
+    # scipy.stats.ttest_1samp(values, 0).confidence_interval()
+    assert mean_interval(values) == pytest.approx((-0.389945, 8.389945), abs=1e-5)
+    assert spread(values).interval == mean_interval(values)
+    assert mean_interval([2.0] * 5) == (2.0, 2.0)
+
+
+def test_five_values_hold_their_mean_as_often_as_is_said() -> None:
+    draw = random.Random(0)
+    found = [mean_interval([draw.gauss(3, 1) for _ in range(5)]) for _ in range(2000)]
+    assert sum(low <= 3 <= high for low, high in found) / 2000 == pytest.approx(0.95, abs=0.015)
+    sides = ([draw.lognormvariate(0, 0.5) for _ in range(5)] for _ in range(4000))
+    ratios = [ratio(above, below) for above, below in zip(sides, sides, strict=True)]
+    held = [one.interval[0] <= 1 <= one.interval[1] for one in ratios if one and one.interval]
+    assert len(held) == 2000 and sum(held) / 2000 == pytest.approx(0.95, abs=0.015)
+
+
+def test_the_interval_of_a_ratio_is_welchs() -> None:
+    above, below = [8.0, 9.0, 10.0, 11.0, 12.0], [2.0, 3.0, 4.0, 5.0, 6.0]
+    found = ratio(above, below)
+    assert found and found.interval
+    low, high = found.interval
+    # Relative squared errors of the means are 0.005 and 0.03125, so that 5.246 degrees are free:
+    # scipy.stats.t.ppf(0.975, 5.246) is 2.534.
+    assert low == pytest.approx(2.5 * math.exp(-2.534 * math.sqrt(0.03625)), rel=1e-3)
+    assert low * high == pytest.approx(2.5**2)
+    same = ratio([4.0] * 5, [2.0] * 5)
+    assert same and same.interval == (2.0, 2.0)
+    loss = ratio([-1.0] * 5, [2.0] * 5)
+    assert loss and loss.interval is None
 
 
 def test_the_interval_of_many_values_is_near_the_normal_one() -> None:
     values = [float(i % 10) for i in range(400)]
-    low, high = bootstrap_interval(values)
+    low, high = mean_interval(values)
     # Mean 4.5, deviation 2.872, standard error 0.1436.
     assert low == pytest.approx(4.5 - 1.96 * 0.1436, abs=0.03)
     assert high == pytest.approx(4.5 + 1.96 * 0.1436, abs=0.03)
@@ -38,7 +67,7 @@ def test_a_ratio_divides_the_means() -> None:
 
 
 def test_the_interval_of_a_ratio_has_the_spread_of_both_sides() -> None:
-    above, below = [8.0, 9.0, 10.0, 11.0, 12.0], [2.0, 3.0, 4.0, 5.0, 6.0]
+    above, below = [5.0, 7.5, 10.0, 12.5, 15.0], [2.0, 3.0, 4.0, 5.0, 6.0]
     both, one, other = ratio(above, below), ratio(above, [4.0] * 5), ratio([10.0] * 5, below)
     assert both and one and other
     assert both.mean == one.mean == other.mean == pytest.approx(2.5)

@@ -160,10 +160,7 @@ def _mean(values: Sequence[float]) -> float | None:
 
 
 def _curves(groups: Sequence[Group]) -> str:
-    """Return the best so far over the search's training: means, and bands from least to largest.
-
-    From three runs on the band is the 95 % interval of the mean.
-    """
+    """Return the best so far over the search's training: means, and bands from least to largest."""
     lines = [(group, line) for group in groups if (line := _line(group))]
     if not lines:
         return ""
@@ -205,9 +202,7 @@ def _line(group: Group) -> list[tuple[float, float, float, float]]:
     for i in range(_BUDGETS):
         steps = begin + (end - begin) * i / (_BUDGETS - 1)
         best = [[p.best for p in points if p.steps <= steps][-1] for points in found]
-        one = spread(best)
-        low, high = one.interval or (min(best), max(best))
-        line.append((float(steps), low, one.mean, high))
+        line.append((float(steps), min(best), fmean(best), max(best)))
     return line
 
 

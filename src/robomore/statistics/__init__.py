@@ -12,14 +12,14 @@ from robomore.statistics.aggregate import (
 )
 from robomore.statistics.diversity import coefficient_of_variation, self_bleu
 from robomore.statistics.pareto import hypervolume, nondominated
-from robomore.statistics.spread import Spread, bootstrap_interval, ratio, spread
+from robomore.statistics.spread import Spread, mean_interval, ratio, spread
 
 __all__ = [
     "Spread",
-    "bootstrap_interval",
     "coefficient_of_variation",
     "hypervolume",
     "interquartile_mean",
+    "mean_interval",
     "mean_of_all",
     "nondominated",
     "probability_of_improvement",

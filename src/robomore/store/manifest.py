@@ -15,6 +15,7 @@ import msgspec
 from robomore.errors import RunFolderError
 from robomore.plain_files import read_plain, write_plain
 from robomore.plan import Plan, Stage
+from robomore.release import VERSION
 from robomore.settings import RunSettings
 from robomore.text import to_json
 from robomore.types import Start
@@ -31,8 +32,10 @@ _DIGEST = "digest"
 
 def package_versions(*more: str) -> dict[str, str]:
     """Return the versions that can change an evaluation's numbers, those of `more` packages too."""
-    versions = {"python": ".".join(platform.python_version_tuple()[:2])}
-    for package in ("robomore", "mujoco", "gymnasium", "jax", "jaxlib", "numpy", *more):
+    # Of the code that runs: what was installed once in place may say an older one.
+    python = ".".join(platform.python_version_tuple()[:2])
+    versions = {"python": python, "robomore": VERSION}
+    for package in ("mujoco", "gymnasium", "jax", "jaxlib", "numpy", *more):
         try:
             versions[package] = version(package)
         except PackageNotFoundError:

@@ -10,7 +10,7 @@ import math
 from statistics import fmean
 
 from robomore.runs import Run
-from robomore.statistics.spread import FEWEST, bootstrap_interval
+from robomore.statistics.spread import FEWEST, mean_interval
 from robomore.studies.study import Results
 from robomore.studies.table import Entry, Table
 
@@ -35,7 +35,7 @@ def reward_table(results: Results) -> Table:
         logs = [math.log(one) for one in ratios]
         interval: tuple[float | None, float | None] = (None, None)
         if len(logs) >= FEWEST:
-            low, high = bootstrap_interval(logs)
+            low, high = mean_interval(logs)
             interval = math.exp(low), math.exp(high)
         mean = math.exp(fmean(logs)) if logs else None
         better = f"{sum(one > 1 for one in ratios)} of {len(ratios)}"
@@ -46,8 +46,8 @@ def reward_table(results: Results) -> Table:
         ("task", "geometric mean", "95 % from", "95 % to", "found is better", "found none"),
         tuple(rows),
         "Runs of all arms that found a reward, each pair trained anew on the same seeds; without "
-        f"those with a score that is not above 0. The interval is a bootstrap over {FEWEST} pairs "
-        "or more. The last column counts runs that answered with the reference reward.",
+        f"those with a score that is not above 0. The interval is Student's, of {FEWEST} pairs or "
+        "more. The last column counts runs that answered with the reference reward.",
     )
 
 

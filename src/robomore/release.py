@@ -1,0 +1,3 @@
+"""Which RoboMoRe this is."""
+
+VERSION = "0.2.0"
