@@ -37,10 +37,11 @@ def joint_force(model: mujoco.MjModel, joint: int) -> float:
 
     It is 0 without a motor, and infinity if nothing limits it.
     """
-    if model.jnt_actfrclimited[joint]:
-        return float(np.abs(model.jnt_actfrcrange[joint]).max())
     motors = [motor for motor in range(model.nu) if joint_of(model, motor) == joint]
-    return sum((motor_force(model, motor) for motor in motors), 0.0)
+    found = sum((motor_force(model, motor) for motor in motors), 0.0)
+    if model.jnt_actfrclimited[joint]:
+        found = min(found, float(np.abs(model.jnt_actfrcrange[joint]).max()))
+    return found
 
 
 def joint_of(model: mujoco.MjModel, motor: int) -> int | None:

@@ -195,17 +195,16 @@ def _parameters(
             radius = max(link.radius for link in group)
             lines = _parameter(f"{name}_radius", "radius", _names(group), radius, "radius of")
             found[f"{name}_radius"] = name in usual and bool(group[0].length), lines
-    strengths: dict[tuple[str, float], list[str]] = {}
+    strengths: dict[str, dict[str, float]] = {}
     for joint in range(model.njnt):
         if int(model.jnt_type[joint]) in SIMPLE_JOINTS:
             joint_name = model.joint(joint).name
             if strength := strength_of(model, motors, joint_name):
-                strengths.setdefault((kind(joint_name), strength), []).append(joint_name)
-    for (name, strength), joints in strengths.items():
-        lines = _parameter(
-            f"{name}_strength", "strength", joints, strength, "largest torque of the motors of"
-        )
-        found.setdefault(f"{name}_strength", (False, lines))
+                strengths.setdefault(kind(joint_name), {})[joint_name] = strength
+    for name, alike in strengths.items():
+        strongest, said = max(alike.values()), "largest torque of the motors of"
+        lines = _parameter(f"{name}_strength", "strength", list(alike), strongest, said)
+        found[f"{name}_strength"] = False, lines
     return found
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import mujoco
 
+from robomore.envs.motor_force import joint_of, motor_force
 from robomore.importer.edits import MotorGroup
 
 
 def strength_of(model: mujoco.MjModel, motors: Sequence[MotorGroup], joint: str) -> float:
-    """Return the largest torque in N·m (or force in N) on a joint; 0 where nothing limits it.
+    """Return the largest torque in N·m (or force in N) of a motor on a joint; 0 for no limit.
 
     Args:
         model: of a robot with motors of its own, perhaps.
@@ -21,13 +23,5 @@ def strength_of(model: mujoco.MjModel, motors: Sequence[MotorGroup], joint: str)
         if joint in group.joints:
             return group.torque
     number = model.joint(joint).id
-    found = 0.0
-    for motor in range(model.nu):
-        of_joint = model.actuator_trntype[motor] == mujoco.mjtTrn.mjTRN_JOINT
-        if not of_joint or model.actuator_trnid[motor, 0] != number:
-            continue
-        if model.actuator_biastype[motor] == mujoco.mjtBias.mjBIAS_NONE:
-            found = max(found, abs(float(model.actuator_gear[motor, 0])))
-        elif model.actuator_forcelimited[motor]:
-            found = max(found, float(model.actuator_forcerange[motor, 1]))
-    return found
+    own = [motor_force(model, n) for n in range(model.nu) if joint_of(model, n) == number]
+    return max((force for force in own if math.isfinite(force)), default=0.0)

@@ -30,6 +30,8 @@ _SIZED = {"geom": (*_PLACED, "size", "mass"), "site": _PLACED, "joint": ("pos", 
 _ROUNDING = 1e-6
 """Lengths in m below which a coordinate is rounding: MuJoCo writes six digits."""
 
+_NO_BIAS = mujoco.mjtBias.mjBIAS_NONE
+
 _HEIGHT = 1.0
 """Height in m at which a robot that moves freely stands in its template."""
 
@@ -65,6 +67,7 @@ class TemplateWriter:
         self._model = self._spec.compile()
         self._links = find_links(self._model)
         self._mass, self._payload = mass, payload
+        self._changed: set[tuple[str, str]] = set()
         self._stretch: dict[str, Amount] = {}
         self._thicken: dict[str, Amount] = {}
         self.mesh_volumes: dict[str, float] = {}
@@ -104,12 +107,13 @@ class TemplateWriter:
 
     def _note(self, edit: Edit) -> None:
         for name in edit.parts:
+            if (edit.changes, name) in self._changed:
+                raise InputError(f"two parameters change the {edit.changes} of `{name}`")
+            self._changed.add((edit.changes, name))
             if edit.changes == "strength":
                 continue
             link = self._links[name]
             kept = self._stretch if edit.changes == "length" else self._thicken
-            if name in kept:
-                raise InputError(f"two parameters change the {edit.changes} of `{name}`")
             if not (link.length if edit.changes == "length" else link.radius):
                 raise InputError(f"`{name}` has no {edit.changes} that {edit.name} could change")
             kept[name] = Amount({(edit.name,): 1 / edit.reference})
@@ -164,10 +168,13 @@ class TemplateWriter:
         model = self._model
         number = model.geom(element.get("name")).id
         kind, size = int(model.geom_type[number]), model.geom_size[number]
-        turned = rotation(model.geom_quat[number])
+        place, quat = model.geom_pos[number], model.geom_quat[number]
+        if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
+            place, quat = _frame_of_file(model, number)
         stretch = self._stretch.get(link.name, Amount.of(1.0))
         thicken = self._thicken.get(link.name, Amount.of(1.0))
-        cosines = np.abs(turned.T @ np.array(link.axis))
+        # Sizes and scales are along the geom's own axes.
+        cosines = np.abs(rotation(quat).T @ np.array(link.axis))
         along = int(np.argmax(cosines))
         straight = cosines[along] > 0.7
         for name in _SIZED["geom"]:
@@ -180,12 +187,11 @@ class TemplateWriter:
             element.set("fromto", texts([*both[0], *both[1]], _ROUNDING))
         elif kind == int(mujoco.mjtGeom.mjGEOM_SPHERE):
             element.set("size", texts([thicken * float(size[0])]))
-            element.set("pos", texts(self._moved(link, model.geom_pos[number])))
+            element.set("pos", texts(self._moved(link, place)))
         else:
             factors = [stretch if straight and k == along else thicken for k in range(3)]
-            place, quat = model.geom_pos[number], model.geom_quat[number]
             if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
-                place, quat = self._write_mesh(element, number, factors)
+                self._write_mesh(element, number, factors)
             else:
                 element.set(
                     "size", texts([f * float(s) for f, s in zip(factors, size, strict=True)])
@@ -194,19 +200,10 @@ class TemplateWriter:
         if self._mass == "density":
             element.set("density", f"{self._density(number, link):.9g}")
 
-    def _write_mesh(
-        self, element: ET.Element, geom: int, factors: Sequence[Amount]
-    ) -> tuple[Any, Any]:
-        """Give a geom its own mesh, scaled; returns where the file's frame is in the link."""
-        model, mesh = self._model, int(self._model.geom_dataid[geom])
-        name = model.mesh(mesh).name
-        # MuJoCo moves a mesh into its frame of inertia; the file's own frame is wanted here.
-        back_pos, back_quat = np.zeros(3), np.zeros(4)
-        mujoco.mju_negPose(back_pos, back_quat, model.mesh_pos[mesh], model.mesh_quat[mesh])
-        place, quat = np.zeros(3), np.zeros(4)
-        mujoco.mju_mulPose(
-            place, quat, model.geom_pos[geom], model.geom_quat[geom], back_pos, back_quat
-        )
+    def _write_mesh(self, element: ET.Element, geom: int, factors: Sequence[Amount]) -> None:
+        """Give a geom its own mesh, scaled along the axes of its file."""
+        model = self._model
+        name = model.mesh(int(model.geom_dataid[geom])).name
         first = next(m for m in self._part("asset").findall("mesh") if _mesh_name(m) == name)
         own = f"{element.get('name')}_mesh"
         copy = ET.SubElement(self._part("asset"), "mesh", {**first.attrib, "name": own})
@@ -214,7 +211,6 @@ class TemplateWriter:
         copy.set("scale", texts([f * s for f, s in zip(factors, scale, strict=True)]))
         element.set("mesh", own)
         self.mesh_volumes[own] = geom_volume(model, geom) / abs(float(np.prod(scale)))
-        return place, quat
 
     def _density(self, geom: int, link: Link) -> float:
         """Return a geom's density in kg/m³: its own, or what a link's stated mass implies."""
@@ -293,14 +289,40 @@ class TemplateWriter:
                 )
 
     def _strengthen(self, edit: Edit) -> None:
-        strength = Amount({(edit.name,): 1.0})
+        """Scale what limits the motors of joints; each keeps its own share of the parameter."""
+        factor = Amount({(edit.name,): 1 / edit.reference})
         for motor in self._part("actuator"):
             if motor.get("joint") not in edit.parts:
                 continue
-            if motor.tag == "motor":
-                motor.set("gear", texts([strength]))
+            own = self._spec.actuator(motor.get("name", ""))
+            servo = motor.tag == "position" if own is None else own.biastype != _NO_BIAS
+            # A servo's gear is its angle's too.
+            limit = "forcerange" if servo else "gear"
+            if own is None:
+                values = [float(value) for value in motor.get(limit, "").split()]
+            elif servo and not self._model.actuator(own.name).forcelimited[0]:
+                continue
             else:
-                motor.set("forcerange", texts([-strength, strength]))
+                values = list(own.forcerange if servo else own.gear)
+            motor.set(limit, texts(factor * value for value in values))
+        for joint in self._part("worldbody").iter("joint"):
+            if joint.get("name") in edit.parts:
+                number = self._model.joint(joint.get("name")).id
+                if self._model.jnt_actfrclimited[number]:
+                    limits = self._model.jnt_actfrcrange[number]
+                    joint.set("actuatorfrcrange", texts(factor * float(one) for one in limits))
+
+
+def _frame_of_file(model: mujoco.MjModel, geom: int) -> tuple[Any, Any]:
+    """Return where the frame of a mesh's file is in the link, which MuJoCo moves to its inertia."""
+    mesh = int(model.geom_dataid[geom])
+    back_pos, back_quat = np.zeros(3), np.zeros(4)
+    mujoco.mju_negPose(back_pos, back_quat, model.mesh_pos[mesh], model.mesh_quat[mesh])
+    place, quat = np.zeros(3), np.zeros(4)
+    mujoco.mju_mulPose(
+        place, quat, model.geom_pos[geom], model.geom_quat[geom], back_pos, back_quat
+    )
+    return place, quat
 
 
 def _hoist(element: ET.Element) -> None:
