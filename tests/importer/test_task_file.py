@@ -220,6 +220,26 @@ MISTAKES = {
         "fitness = [" + '{measure = "distance"},' * 101 + "]",
         "fitness has 101 terms; give 100 at most",
     ),
+    "degrees for radians": (
+        '"distance"',
+        '{ measure = "time-upright", options = { tilt = 45.0 } }',
+        "'time-upright' has tilt = 45.0; give a number from 0.001 to 3.14 rad",
+    ),
+    "a measure and a function": (
+        '"distance"',
+        '{ measure = "distance", function = "def fitness(t): return 1" }',
+        "'distance' stands beside the text of a function",
+    ),
+    "a part that is none": (
+        '"distance"',
+        '{ measure = "target-reached", options = { target = [1, 0], part = "FL_fot" } }',
+        "'target-reached': the robot has no part 'FL_fot'. Did you mean 'FL_foot'",
+    ),
+    "a target that is reached at rest": (
+        '"distance"',
+        '{ measure = "target-reached", options = { target = [1, 0], radius = 5.0 } }',
+        "radius = 5 m, and the robot rests 1 m from its target",
+    ),
     "a target nowhere": (
         "[[parameter]]\n",
         '[target]\npart = "FL_calf"\nposition = [0, nan, 0]\n[[parameter]]\n',

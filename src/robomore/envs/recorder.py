@@ -118,7 +118,7 @@ def _part(model: mujoco.MjModel, qpos: Array, name: str) -> Array:
         InputError: the robot has no part of that name.
     """
     data = mujoco.MjData(model)
-    place = _place(model, data, name)
+    place = place_of(model, data, name)
     found = np.empty((len(qpos), 3))
     for row, pose in enumerate(qpos):
         data.qpos[:] = pose
@@ -127,7 +127,12 @@ def _part(model: mujoco.MjModel, qpos: Array, name: str) -> Array:
     return found
 
 
-def _place(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Callable[[], Array]:
+def place_of(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Callable[[], Array]:
+    """Return what gives the live position (3,) in m of a body, site or geom.
+
+    Raises:
+        InputError: the robot has no part of that name.
+    """
     names: list[str] = []
     for kind in _KINDS:
         count = {"body": model.nbody, "site": model.nsite, "geom": model.ngeom}[kind]
@@ -138,4 +143,4 @@ def _place(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Callable[[]
             return lambda: positions[index]
         names += [one for one in of_kind if one and one != "world"]
     hint = did_you_mean(name, names)
-    raise InputError(f"the robot has no part {name!r}.{hint} It has {', '.join(names)}")
+    raise InputError(f"the robot has no part {name!r}.{hint} It has {', '.join(dict.fromkeys(names))}")

@@ -7,11 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from robomore.envs.rest_pose import rest_pose
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, Edit, MassMode, MotorGroup
 from robomore.importer.feet import contact_names
+from robomore.importer.goal_faults import refuse_goal
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import one_sided, within_ranges
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
@@ -113,8 +116,10 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
     home, moved = within_ranges(
         rest, {name: plan.home.get(name, 0.0) for name in joints}, "the rest pose"
     )
-    notes += moved + one_sided(rest, rest_pose(rest, home, plan.upright), plan.reach)
-    for one, other in _overlaps(rest, home, plan.upright):
+    pose = rest_pose(rest, home, plan.upright)
+    notes += moved + one_sided(rest, pose, plan.reach)
+    refuse_goal(plan.id, plan.fitness, rest, pose)
+    for one, other in _overlaps(rest, pose):
         writer.add("contact", "exclude", name=f"{one}-{other}", body1=one, body2=other)
         notes.append(f"`{one}` and `{other}` overlap at rest: they do not touch each other")
     step = float(rest.opt.timestep)
@@ -177,12 +182,10 @@ def _add_target(
     )
 
 
-def _overlaps(
-    model: mujoco.MjModel, home: Mapping[str, float], upright: tuple[float, ...]
-) -> list[tuple[str, str]]:
-    """Return pairs of links that are inside each other at rest."""
+def _overlaps(model: mujoco.MjModel, pose: NDArray[np.float64]) -> list[tuple[str, str]]:
+    """Return pairs of links that are inside each other in the pose at rest (nq,)."""
     data = mujoco.MjData(model)
-    data.qpos[:] = rest_pose(model, home, upright)
+    data.qpos[:] = pose
     mujoco.mj_forward(model, data)
     pairs: dict[tuple[str, str], None] = {}  # in their order
     for contact in data.contact:

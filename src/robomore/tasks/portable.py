@@ -218,6 +218,11 @@ def make_fitness(
     parts: list[tuple[float, str | Fitness]] = []
     for term in terms:
         if term.function:
+            if term.measure or term.options:
+                raise InputError(
+                    f"{term.measure or 'options'!r} stands beside the text of a function in one "
+                    "term of the fitness; give a measure with its options, or a function"
+                )
             if NAME not in term.function:
                 raise InputError(f"the function of the fitness has to define {NAME}(trajectory)")
             executed = trusted and not term.foreign
