@@ -15,6 +15,7 @@ from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, Edit, MassMode, MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.goal_faults import refuse_goal
+from robomore.importer.left_out import FLOOR
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import one_sided, within_ranges
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
@@ -23,6 +24,9 @@ from robomore.tasks.fitness import Fitness
 from robomore.tasks.portable import ENVIRONMENT, FixedOptions, refuse_files, refuse_texts
 from robomore.tasks.task import Parameter, Task
 from robomore.tasks.template import fill
+
+_SUNK = 0.001
+"""Depth in m inside the floor that a robot which is fixed to the world may rest at."""
 
 TARGET = "target_place"
 """Name of the site at the place that is to be reached."""
@@ -105,6 +109,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
             f"{plan.id}: the robot has no motors, so nothing can be learned; add an <actuator> "
             "section to its MJCF, or [[actuator]] tables to the task file"
         )
+    _refuse_to_fall(plan.id, rest)
     known = [rest.sensor(number).name for number in range(rest.nsensor)]
     if missing := [name for name in plan.sensors if name not in known]:
         raise InputError(
@@ -120,8 +125,14 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
     notes += moved + one_sided(rest, pose, plan.reach)
     refuse_goal(plan.id, plan.fitness, rest, pose)
     for one, other in _overlaps(rest, pose):
-        writer.add("contact", "exclude", name=f"{one}-{other}", body1=one, body2=other)
+        writer.add("contact", "exclude", body1=one, body2=other)
         notes.append(f"`{one}` and `{other}` overlap at rest: they do not touch each other")
+    for link, depth in _sunk(rest, pose).items():
+        writer.add("contact", "exclude", body1="world", body2=link)
+        notes.append(
+            f"`{link}` is {depth:.2g} m inside the floor at rest: it does not touch the floor; if "
+            "it should, place the robot higher in its file"
+        )
     step = float(rest.opt.timestep)
     frame_skip = max(1, round(1 / (plan.control_hz * step)))
     options = {
@@ -180,6 +191,36 @@ def _add_target(
         reftype="site" if part in sites else "xbody",
         refname=part,
     )
+
+
+def _refuse_to_fall(id: str, model: mujoco.MjModel) -> None:
+    """Refuse a robot that moves freely and falls through the floor, as no solid of it can touch it.
+
+    Raises:
+        InputError: with the remedy.
+    """
+    floor = model.geom(FLOOR).id
+    bits = model.geom_contype | model.geom_conaffinity
+    touching = bits[model.geom_bodyid > 0].any() or floor in (*model.pair_geom1, *model.pair_geom2)
+    if model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE and not touching:
+        raise InputError(
+            f"{id}: no solid of the robot touches anything (contype and conaffinity are 0), so it "
+            "falls through the floor; give those that stand on it a contype of 1 in its file"
+        )
+
+
+def _sunk(model: mujoco.MjModel, pose: NDArray[np.float64]) -> dict[str, float]:
+    """Return how deep in m links are inside the floor in the pose at rest (nq,)."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = pose
+    mujoco.mj_forward(model, data)
+    found: dict[str, float] = {}
+    for contact in data.contact:
+        one, other = sorted(int(model.geom_bodyid[geom]) for geom in contact.geom)
+        if one == 0 and contact.dist < -_SUNK:
+            name = model.body(other).name
+            found[name] = max(found.get(name, 0.0), -float(contact.dist))
+    return found
 
 
 def _overlaps(model: mujoco.MjModel, pose: NDArray[np.float64]) -> list[tuple[str, str]]:

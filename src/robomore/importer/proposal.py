@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal
 
 import mujoco
+import numpy as np
 
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, MotorGroup
@@ -123,7 +125,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         *(f"# Note: {note}." for note in robot.notes[:_MOST_NOTES]),
         f"id = {_text(id)}",
         f"title = {_text(name.replace('_', ' ').replace('-', ' ').title())}",
-        f'description = """{_description(model, moves, goal)}"""',
+        f'description = """{_multiline(_description(model, moves, goal))}"""',
         f"robot = {_text(ROBOT_FILE)}",
         "",
         *_goal(model, moves, goal),
@@ -136,6 +138,9 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         *([_REACH] if moves and _has_servos(model, motors) else []),
         "",
     ]
+    if moves and not np.allclose(robot.upright, (1.0, 0.0, 0.0, 0.0)):
+        upright = [float(f"{number:.9g}") for number in robot.upright]
+        lines += ["[home]", f"upright = {upright}  # of the root at rest, as w, x, y, z", ""]
     if home := propose_home(robot, model):
         lines += ["[home.joints]  # the pose at rest: rad, or m for sliding joints"]
         lines += [f"{_key(joint)} = {_rest(rest)}" for joint, rest in home.items()] + [""]
@@ -287,8 +292,8 @@ def _description(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> str:
 
 def _tip(model: mujoco.MjModel) -> str:
     """Return the part of an arm that is to reach a target: its last site, or its last link."""
-    if model.nsite:
-        return str(model.site(model.nsite - 1).name)
+    if sites := [site for site in range(model.nsite) if model.site_bodyid[site]]:
+        return str(model.site(sites[-1]).name)
     return str(model.body(model.nbody - 1).name)
 
 
@@ -308,7 +313,12 @@ def identifier(name: str) -> str:
 
 
 def _key(name: str) -> str:
-    return name if all(one.isalnum() or one in "-_" for one in name) else _text(name)
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
+
+
+def _multiline(text: str) -> str:
+    """Return a text as it stands between three quotes, which read a backslash as TOML does."""
+    return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
 def _text(value: str) -> str:

@@ -60,19 +60,27 @@ def propose_home(robot: Robot, model: mujoco.MjModel) -> dict[str, Rest]:
         limited = int(model.jnt_type[joint]) in SIMPLE_JOINTS and model.jnt_limited[joint]
         if limited and not low <= 0.0 <= high:
             reason = f"the middle of its range {low:.4g} to {high:.4g}, which leaves out 0"
-            home[model.joint(joint).name] = Rest(round((low + high) / 2, 3), reason)
+            home[model.joint(joint).name] = Rest(_rounded((low + high) / 2, low, high), reason)
             data.qpos[model.jnt_qposadr[joint]] = (low + high) / 2
             bent.append(joint)
     mujoco.mj_kinematics(model, data)
     for joint in bent:
         above = _hinge_above(model, data, joint)
         if above is not None:
-            angle = round(_straighten(model, data, above, joint), 3)
-            low, high = (float(limit) for limit in model.jnt_range[above])
-            span = f" (range {low:.4g} to {high:.4g})" if model.jnt_limited[above] else ""
+            angle, span = _straighten(model, data, above, joint), ""
+            if model.jnt_limited[above]:
+                low, high = (float(limit) for limit in model.jnt_range[above])
+                angle, span = _rounded(angle, low, high), f" (range {low:.4g} to {high:.4g})"
+            else:
+                angle = round(angle, 3)
             reason = f"so that the end of the limb lies straight below it{span}"
             home[model.joint(above).name] = Rest(angle, reason)
     return home
+
+
+def _rounded(angle: float, low: float, high: float) -> float:
+    """Return an angle with few digits that is still in its range."""
+    return min(max(round(angle, 3), low), high)
 
 
 def _hinge_above(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> int | None:

@@ -7,8 +7,10 @@ remedy.
 
 from __future__ import annotations
 
+import fnmatch
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 from robomore.errors import InputError
@@ -78,7 +80,8 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
     def resolved(patterns: list[str], known: list[str], where: str) -> tuple[str, ...]:
         found: list[str] = []
         for pattern in patterns:
-            matching = [name for name in known if fnmatchcase(name, pattern)]
+            # A name may hold brackets, which would stand for one of several characters.
+            matching = [pattern] if pattern in known else fnmatch.filter(known, pattern)
             if not matching:
                 faults.append(f"{where}: nothing is called {pattern!r}; there are {_list(known)}")
             found += [name for name in matching if name not in found]
@@ -178,11 +181,17 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
         reach=table.reach,
         sensors=tuple(table.sensors),
         home={**robot.home, **table.home.joints},
-        upright=table.home.upright or robot.upright,
+        upright=_unit(table.home.upright or robot.upright),
         tilt_degrees=table.health.tilt_degrees,
         healthy_height=table.health.height,
         target=(table.target.part, table.target.position) if table.target else None,
     )
+
+
+def _unit(quaternion: Sequence[float]) -> tuple[float, ...]:
+    """Return a quaternion of length 1, as which alone it is a rotation."""
+    size = math.hypot(*quaternion)
+    return tuple(number / size for number in quaternion)
 
 
 def _fitness(table: TaskTable) -> Fitness:
