@@ -282,8 +282,10 @@ def test_a_fitness_that_cannot_work_is_found_before_training(
         check_task(read_task_file(edited(dog, 'fitness = "distance"', text)).task)
 
 
-def test_episodes_that_end_at_once_are_found_before_training(dog: Path) -> None:
-    task = read_task_file(edited(dog, "height = [0.5,", "height = [1.5,")).task
+@pytest.mark.parametrize("least", ["1.5", "1.0"])
+def test_episodes_that_end_at_once_are_found_before_training(dog: Path, least: str) -> None:
+    """Also those that begin healthy: from exactly its rest height a robot can only sink."""
+    task = read_task_file(edited(dog, "height = [0.5,", f"height = [{least},")).task
     with pytest.raises(AssertionError, match="each ends at once"):
         check_task(task)
 

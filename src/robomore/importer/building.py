@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.rest_pose import rest_pose
+from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, Edit, MassMode, MotorGroup
 from robomore.importer.feet import contact_names
@@ -18,12 +19,15 @@ from robomore.importer.goal_faults import refuse_goal
 from robomore.importer.left_out import FLOOR
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import one_sided, within_ranges
-from robomore.importer.reading import SIMPLE_JOINTS, Robot
+from robomore.importer.reading import Robot
 from robomore.importer.template import TemplateWriter
 from robomore.tasks.fitness import Fitness
 from robomore.tasks.portable import ENVIRONMENT, FixedOptions, refuse_files, refuse_texts
 from robomore.tasks.task import Parameter, Task
 from robomore.tasks.template import fill
+
+_LOW = 0.02
+"""Fraction of a robot's height below which its root lies on the floor, as ROS's footprints do."""
 
 _SUNK = 0.001
 """Depth in m inside the floor that a robot which is fixed to the world may rest at."""
@@ -55,7 +59,7 @@ class Plan:
         home: pose at rest by joint.
         upright: orientation of a free root at rest.
         tilt_degrees: largest tilt of a free root, `None` for any.
-        healthy_height: least and greatest height in multiples of that at rest.
+        healthy_height: least and greatest height in multiples of that at rest, `None` for any.
         target: site or link that is to reach a place, and the place.
     """
 
@@ -77,7 +81,7 @@ class Plan:
     home: Mapping[str, float]
     upright: tuple[float, ...]
     tilt_degrees: float | None
-    healthy_height: tuple[float, float]
+    healthy_height: tuple[float, float] | None
     target: tuple[str, tuple[float, float, float]] | None
 
 
@@ -124,6 +128,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
     pose = rest_pose(rest, home, plan.upright)
     notes += moved + one_sided(rest, pose, plan.reach)
     refuse_goal(plan.id, plan.fitness, rest, pose)
+    _refuse_low_root(plan, rest, pose)
     for one, other in _overlaps(rest, pose):
         writer.add("contact", "exclude", body1=one, body2=other)
         notes.append(f"`{one}` and `{other}` overlap at rest: they do not touch each other")
@@ -140,7 +145,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         "home": dict(home),
         "upright": list(plan.upright),
         "healthy_tilt": None if plan.tilt_degrees is None else math.radians(plan.tilt_degrees),
-        "healthy_height": list(plan.healthy_height),
+        "healthy_height": plan.healthy_height and list(plan.healthy_height),
         "reset_noise": plan.reset_noise,
         "reach": plan.reach,
         "sensors": [*plan.sensors, *(["target"] if plan.target else [])],
@@ -193,8 +198,26 @@ def _add_target(
     )
 
 
+def _refuse_low_root(plan: Plan, model: mujoco.MjModel, pose: NDArray[np.float64]) -> None:
+    """Refuse limits of the height in multiples of one that is next to nothing.
+
+    Raises:
+        InputError: with the remedy.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = pose
+    mujoco.mj_kinematics(model, data)
+    height, top = float(data.xpos[1, 2]), float(data.geom_xpos[:, 2].max())
+    if plan.healthy_height and find_root(model).moves and height < _LOW * top:
+        raise InputError(
+            f"{plan.id}: the root `{model.body(1).name}` rests at {height:.2g} m, on the floor, so "
+            f"that [health] height = {list(plan.healthy_height)} in multiples of it ends every "
+            "episode; leave that line out, or place the root's frame higher up in the robot's file"
+        )
+
+
 def _refuse_to_fall(id: str, model: mujoco.MjModel) -> None:
-    """Refuse a robot that moves freely and falls through the floor, as no solid of it can touch it.
+    """Refuse a robot that moves and falls through the floor, as no solid of it can touch it.
 
     Raises:
         InputError: with the remedy.
@@ -202,7 +225,7 @@ def _refuse_to_fall(id: str, model: mujoco.MjModel) -> None:
     floor = model.geom(FLOOR).id
     bits = model.geom_contype | model.geom_conaffinity
     touching = bits[model.geom_bodyid > 0].any() or floor in (*model.pair_geom1, *model.pair_geom2)
-    if model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE and not touching:
+    if find_root(model).moves and not touching:
         raise InputError(
             f"{id}: no solid of the robot touches anything (contype and conaffinity are 0), so it "
             "falls through the floor; give those that stand on it a contype of 1 in its file"

@@ -12,12 +12,13 @@ from typing import Literal
 import mujoco
 import numpy as np
 
+from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.limbs import Link, find_links, groups, kind
 from robomore.importer.motors import ProposedMotors, propose_motors
-from robomore.importer.reading import SIMPLE_JOINTS, Robot
+from robomore.importer.reading import Robot
 from robomore.importer.rest import Rest, propose_home
 from robomore.importer.strength import strength_of
 from robomore.plain_files import cannot_write
@@ -39,6 +40,10 @@ _LEAST_SHARE = 0.25
 
 _REACH = "reach = 0.35  # fraction of each control range that actions use"
 """For servos, since smaller motions are learnt sooner; motors would lack torque."""
+
+_SIDEWAYS = "    sideways = -0.5 * abs(self.data.qvel[1]) - 0.5 * abs(self.heading)\n"
+_SIDEWAYS_TERM = '"sideways": sideways, '
+"""What a reward says that a robot in a plane cannot do."""
 
 _WALKING = '''def _get_rew(self, x_velocity, action):
     """Forward speed, a bonus for staying upright, less the cost of effort."""
@@ -112,7 +117,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
     model = robot.spec().compile()
     proposed = propose_motors(model)
     motors = [one.group for one in proposed]
-    moves = bool(model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
+    moves = find_root(model).moves
     if goal and not moves:
         raise InputError(
             f"--goal {goal} is for a robot that moves freely, and this one is fixed to the world: "
@@ -138,7 +143,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         *([_REACH] if moves and _has_servos(model, motors) else []),
         "",
     ]
-    if moves and not np.allclose(robot.upright, (1.0, 0.0, 0.0, 0.0)):
+    if find_root(model).base == "free" and not np.allclose(robot.upright, (1.0, 0.0, 0.0, 0.0)):
         upright = [float(f"{number:.9g}") for number in robot.upright]
         lines += ["[home]", f"upright = {upright}  # of the root at rest, as w, x, y, z", ""]
     if home := propose_home(robot, model):
@@ -177,6 +182,8 @@ def _goal(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> list[str]:
         weight = float(model.body_mass.sum()) * 9.81
         fitness = "transport-economy"
         reward = _ECONOMY.replace("WATTS", str(float(f"{_COSTLY * weight:.2g}")))
+    if find_root(model).base == "planar":
+        reward = reward.replace(_SIDEWAYS, "").replace(_SIDEWAYS_TERM, "")
     return [f"fitness = {_text(fitness)}", f"reward = '''\n{reward}'''"]
 
 
@@ -276,8 +283,14 @@ def _actuator(proposed: ProposedMotors) -> list[str]:
 def _description(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> str:
     links = groups(find_links(model), model)
     parts = [f"{len(group)} x {name}" if len(group) > 1 else name for name, group in links]
+    root = find_root(model)
     joints = sum(int(kind) in SIMPLE_JOINTS for kind in model.jnt_type)
-    base = "that moves freely" if moves else "whose base is fixed to the ground"
+    joints -= len(root.joints) if root.base == "planar" else 0
+    base = {
+        "free": "that moves freely",
+        "planar": "that moves in the plane of x and z",
+        "fixed": "whose base is fixed to the ground",
+    }[root.base]
     feet = list(contact_names(model))
     ends = f" Its limbs end in {', '.join(feet)}." if feet else ""
     said = (

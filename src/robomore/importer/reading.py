@@ -29,11 +29,11 @@ from robomore.suggestions import path_meant
 from robomore.tasks.meshes import MOST_BYTES, check_meshes
 from robomore.tasks.sizes import check_sizes
 
-SIMPLE_JOINTS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-"""Types of joints with one position and one velocity."""
-
 _MOST_FILE = 16 * 2**20
 """Bytes of a robot's file without what it includes; the largest known has a tenth of it."""
+
+_LARGEST = 25.0
+"""Distance in m from the middle of a solid to its end."""
 
 _LONGEST_NAME = 200
 """Characters of a part's name."""
@@ -124,7 +124,9 @@ def _read(path: Path, base: str | None) -> Robot:
         tree = ET.fromstring(text)
         refuse_braces(path, tree)
         check_sizes(path.name, tree)
-        check_amounts(str(path), mujoco.MjSpec.from_string(text, assets=assets).compile())
+        model = mujoco.MjSpec.from_string(text, assets=assets).compile()
+        check_amounts(str(path), model)
+        _refuse_millimetres(path, model)
     except (ValueError, OSError) as error:
         raise InputError(xml_fault(path, error)) from None
     return Robot(text, assets, rest, upright, tuple(notes))
@@ -153,6 +155,12 @@ def _set_base(
     spec: mujoco.MjSpec, root: mujoco.MjsBody, base: str | None, notes: list[str]
 ) -> None:
     free = [joint for joint in root.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    if base == "free" and not free and root.joints:
+        names = ", ".join(f"`{joint.name}`" for joint in root.joints)
+        raise ValueError(
+            f"its root `{root.name}` hangs from the world by joints ({names}); give it a "
+            "<freejoint/> in their place, or leave `--base free` out"
+        )
     if base == "free" and not root.joints:
         root.add_freejoint(name="root")
         notes.append(f"`{root.name}` had no joint to the world: it has a free joint now")
@@ -160,6 +168,22 @@ def _set_base(
         for joint in free:
             spec.delete(joint)
         notes.append(f"`{root.name}` is fixed to the world now")
+
+
+def _refuse_millimetres(path: Path, model: mujoco.MjModel) -> None:
+    """Refuse a robot whose lengths cannot be in m.
+
+    Raises:
+        InputError: naming the longest part.
+    """
+    parts = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
+    longest = max(parts, key=lambda geom: float(model.geom_rbound[geom]))
+    if (reach := float(model.geom_rbound[longest])) > _LARGEST:
+        raise InputError(
+            f"{path}: the solid `{model.geom(longest).name}` reaches {reach:.3g} m from its "
+            f"middle; the most is {_LARGEST:g} m. Lengths are in m: divide those in mm by 1000, "
+            'and give a mesh in mm scale="0.001 0.001 0.001"'
+        )
 
 
 def _assets(spec: mujoco.MjSpec, path: Path) -> dict[str, bytes]:

@@ -8,9 +8,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.root import SIMPLE_JOINTS
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import unit_of
-from robomore.importer.reading import SIMPLE_JOINTS, Robot
+from robomore.importer.reading import Robot
 
 _TRIES = 121
 """Angles of a joint that are tried."""

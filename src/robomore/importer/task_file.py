@@ -13,12 +13,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from robomore.envs.root import SIMPLE_JOINTS
 from robomore.errors import InputError
 from robomore.importer.building import Plan, build
 from robomore.importer.edits import Edit, MotorGroup
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import ROUNDING, unit_of
-from robomore.importer.reading import SIMPLE_JOINTS, Robot, read_robot
+from robomore.importer.reading import Robot, read_robot
 from robomore.importer.strength import strength_of
 from robomore.importer.task_table import TaskTable, number_faults, parameter_faults, read_table
 from robomore.tasks.fitness import Fitness

@@ -88,11 +88,7 @@ class TemplateWriter:
         return ET.tostring(self.root, encoding="unicode") + "\n"
 
     def add(self, section: str, tag: str, **attributes: str) -> None:
-        """Add a part to a section, such as a sensor.
-
-        Raises:
-            InputError: the robot has a part of that name.
-        """
+        """Add a part to a section, such as a sensor; refuse one whose name the robot has."""
         there = self.root.iter(tag) if section == "worldbody" else self._part(section)
         if (name := attributes.get("name")) and name in {one.get("name") for one in there}:
             raise InputError(

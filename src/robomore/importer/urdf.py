@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import mujoco
@@ -30,9 +31,40 @@ def read_urdf(path: Path) -> mujoco.MjSpec:
     text = re.sub(r"<mujoco>.*?</mujoco>", "", text, flags=re.DOTALL)
     text = re.sub(r"(<robot\b[^>]*>)", rf"\1{options}", text, count=1)
     text = re.sub(r'filename="([^"]+)"', lambda found: _located(found[1], path), text)
-    spec = mujoco.MjSpec.from_string(text)
+    spec = mujoco.MjSpec.from_string(_without_footprint(text))
     spec.compiler.balanceinertia = True
     return spec
+
+
+def _without_footprint(text: str) -> str:
+    """Return a URDF without an empty root that the real one is fixed to.
+
+    ROS has such a `base_footprint` on the ground, whose height says nothing of how a robot stands.
+    """
+    try:
+        robot = ET.fromstring(text.encode())
+    except ET.ParseError:
+        return text  # MuJoCo says where
+    links, joints = robot.findall("link"), robot.findall("joint")
+    below = {found.get("link") for joint in joints for found in joint.findall("child")}
+    for link in links:
+        hung = [one for one in joints if _names(one, "parent") == link.get("name")]
+        turned = [one.get("rpy", "0 0 0").split() for each in hung for one in each.iter("origin")]
+        if (
+            link.get("name") not in below
+            and all(part.tag == "visual" for part in link)
+            and [one.get("type") for one in hung] == ["fixed"]
+            and not any(float(angle) for angles in turned for angle in angles)
+        ):
+            robot.remove(link)
+            robot.remove(hung[0])
+            return ET.tostring(robot, encoding="unicode")
+    return text
+
+
+def _names(joint: ET.Element, end: str) -> str:
+    found = joint.find(end)
+    return "" if found is None else found.get("link", "")
 
 
 def _located(name: str, urdf: Path) -> str:
