@@ -233,6 +233,16 @@ def test_a_robot_in_a_plane_stands_on_the_floor_and_gets_somewhere(tmp_path: Pat
         read_robot(tmp_path / "odd.xml", "free")
 
 
+def test_no_motor_is_proposed_for_a_root_in_a_plane_and_a_keyframe_leans_it(tmp_path: Path) -> None:
+    key = '<keyframe><key qpos="5 6 0.1 0 -1 0 -1 0 -1"/></keyframe></mujoco>'
+    bare = PLANAR.partition("<actuator>")[0] + key
+    made = proposed(tmp_path, bare)
+    driven = {joint for group in made.plan.motors for joint in group.joints}
+    assert driven == {f"{leg}_{joint}" for leg in "LRB" for joint in ("hip", "knee")}
+    assert made.plan.home["lean"] == 0.1 and "along" not in made.plan.home
+    assert lowest(made, 1.0) == pytest.approx(0.003, abs=1e-6)
+
+
 def test_a_free_robot_that_tilts_is_told_as_tilted(tmp_path: Path) -> None:
     made = proposed(tmp_path, STEADY)
     assert ends(made, {3: HALF, 4: HALF})[0] == "tilted"

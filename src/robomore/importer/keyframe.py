@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
+from robomore.envs.root import find_root
 from robomore.importer.ranges import within_ranges
 
 _FREE = mujoco.mjtJoint.mjJNT_FREE
@@ -83,9 +84,11 @@ def home(
     Without a keyframe no joint is named, and the root lies as it does in the file.
     """
     model = spec.compile()
-    free = bool(model.njnt and model.jnt_type[0] == _FREE)
+    root = find_root(model)
+    free = root.base == "free"
     upright = np.array(key.upright or (model.qpos0[3:7] if free else (1.0, 0.0, 0.0, 0.0)))
-    pose = {joint.name: angle for joint, angle in key.joints}
+    placed = {model.joint(joint).name for joint in root.joints[:2]}  # by the floor, and at x = 0
+    pose = {joint.name: angle for joint, angle in key.joints if joint.name not in placed}
     pose, moved = within_ranges(model, pose, f"the keyframe `{key.name}`")
     notes += moved
     return pose, tuple((upright / np.linalg.norm(upright)).tolist())
