@@ -196,11 +196,13 @@ def test_a_root_on_the_floor_has_no_height_to_go_by(tmp_path: Path) -> None:
     text = STEADY.replace('name="trunk" pos="0 0 0.4"', 'name="sole" pos="0 0 0"')
     inner = '<freejoint/><body name="trunk" pos="0 0 0.41"><geom size="0.01"/>'
     text = text.replace("<freejoint/>", inner).replace("</worldbody>", "</body></worldbody>")
-    with pytest.raises(InputError, match=r"the root `sole` rests at .*leave that line out"):
-        proposed(tmp_path, text)
+    made = proposed(tmp_path, text)
+    assert made.plan.healthy_height is None
+    check_task(made.task)
     file = tmp_path / "out" / "task.toml"
-    file.write_text(file.read_text().replace("height = [0.5, 2.0]", ""))
-    check_task(read_task_file(file).task)
+    file.write_text(file.read_text().replace("[health]", "[health]\nheight = [0.5, 2.0]"))
+    with pytest.raises(InputError, match=r"the root `sole` rests on .*leave that line out"):
+        read_task_file(file)
 
 
 @pytest.mark.parametrize("name", ["Hüfte", "arm[0]", "arm\\x", "a.b"])

@@ -20,14 +20,12 @@ from robomore.importer.left_out import FLOOR
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import one_sided, within_ranges
 from robomore.importer.reading import Robot
+from robomore.importer.rest import lies_low
 from robomore.importer.template import TemplateWriter
 from robomore.tasks.fitness import Fitness
 from robomore.tasks.portable import ENVIRONMENT, FixedOptions, refuse_files, refuse_texts
 from robomore.tasks.task import Parameter, Task
 from robomore.tasks.template import fill
-
-_LOW = 0.02
-"""Fraction of a robot's height below which its root lies on the floor, as ROS's footprints do."""
 
 _SUNK = 0.001
 """Depth in m inside the floor that a robot which is fixed to the world may rest at."""
@@ -204,15 +202,11 @@ def _refuse_low_root(plan: Plan, model: mujoco.MjModel, pose: NDArray[np.float64
     Raises:
         InputError: with the remedy.
     """
-    data = mujoco.MjData(model)
-    data.qpos[:] = pose
-    mujoco.mj_kinematics(model, data)
-    height, top = float(data.xpos[1, 2]), float(data.geom_xpos[:, 2].max())
-    if plan.healthy_height and find_root(model).moves and height < _LOW * top:
+    if plan.healthy_height and lies_low(model, pose):
         raise InputError(
-            f"{plan.id}: the root `{model.body(1).name}` rests at {height:.2g} m, on the floor, so "
-            f"that [health] height = {list(plan.healthy_height)} in multiples of it ends every "
-            "episode; leave that line out, or place the root's frame higher up in the robot's file"
+            f"{plan.id}: the root `{model.body(1).name}` rests on the floor, so that [health] "
+            f"height = {list(plan.healthy_height)} in multiples of its height ends every episode; "
+            "leave that line out, or place the root's frame higher up in the robot's file"
         )
 
 

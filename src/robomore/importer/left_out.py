@@ -19,7 +19,7 @@ _QUATERNION = mujoco.mjtOrientation.mjORIENTATION_QUAT
 def drop_scenery(spec: mujoco.MjSpec, notes: list[str]) -> None:
     """Remove what belongs to a picture or a world: lights, cameras, walls, textures.
 
-    Of the ground there stays how it touches, as a level plane called `FLOOR`.
+    The ground becomes a level plane called `FLOOR`, which touches as that of the file does.
 
     Raises:
         ValueError: a part of the robot has that name.
@@ -32,8 +32,7 @@ def drop_scenery(spec: mujoco.MjSpec, notes: list[str]) -> None:
     if len(world) > bool(planes):
         names = ", ".join(f"`{geom.name}`" for geom in world if geom is not ground)
         notes.append(f"the world's own parts are left out ({names}): the ground is a flat floor")
-    if ground is not None:
-        _keep_ground(spec, ground, notes)
+    _add_ground(spec, ground, notes)
     gone = {geom.name for geom in world} - {FLOOR}
     for pair in list(spec.pairs):
         if gone & {pair.geomname1, pair.geomname2}:
@@ -105,8 +104,12 @@ def drop_sensors(spec: mujoco.MjSpec, notes: list[str]) -> None:
             spec.delete(sensor)
 
 
-def _keep_ground(spec: mujoco.MjSpec, ground: mujoco.MjsGeom, notes: list[str]) -> None:
-    """Add the plane `FLOOR` that touches as a file's ground does, also in its pairs."""
+def _add_ground(spec: mujoco.MjSpec, ground: mujoco.MjsGeom | None, notes: list[str]) -> None:
+    """Add the plane `FLOOR`, which touches as the file's ground does, also in its pairs."""
+    plane = {"type": mujoco.mjtGeom.mjGEOM_PLANE, "size": (40, 40, 0.1)}
+    if ground is None:
+        spec.worldbody.add_geom(name=FLOOR, **plane)
+        return
     level = np.allclose(np.abs(ground.quat), (1, 0, 0, 0)) and ground.alt.type == _QUATERNION
     if not level or ground.pos[2]:
         notes.append(f"the ground `{ground.name}` is level here, and at height 0")
@@ -117,7 +120,7 @@ def _keep_ground(spec: mujoco.MjSpec, ground: mujoco.MjsGeom, notes: list[str]) 
             pair.geomname2 = FLOOR
     touch = {name: getattr(ground, name) for name in _TOUCH}
     ground.name = ""  # two parts of one name cannot be
-    spec.worldbody.add_geom(name=FLOOR, type=ground.type, size=(40, 40, 0.1), **touch)
+    spec.worldbody.add_geom(name=FLOOR, **plane, **touch)
 
 
 def _has_mass(geom: mujoco.MjsGeom) -> bool:

@@ -12,6 +12,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 
+from robomore.envs.rest_pose import rest_pose
 from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, MotorGroup
@@ -19,7 +20,7 @@ from robomore.importer.feet import contact_names
 from robomore.importer.limbs import Link, find_links, groups, kind
 from robomore.importer.motors import ProposedMotors, propose_motors
 from robomore.importer.reading import Robot
-from robomore.importer.rest import Rest, propose_home
+from robomore.importer.rest import Rest, lies_low, propose_home
 from robomore.importer.strength import strength_of
 from robomore.plain_files import cannot_write
 from robomore.tasks.registry import TASKS
@@ -37,6 +38,8 @@ _MOST_GROUPS = 6
 
 _LEAST_SHARE = 0.25
 """Links shorter than this fraction of the longest one are not proposed as free."""
+
+_HEIGHT = "height = [0.5, 2.0]  # of the root, in multiples of that at rest"
 
 _REACH = "reach = 0.35  # fraction of each control range that actions use"
 """For servos, since smaller motions are learnt sooner; motors would lack torque."""
@@ -146,14 +149,16 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
     if find_root(model).base == "free" and not np.allclose(robot.upright, (1.0, 0.0, 0.0, 0.0)):
         upright = [float(f"{number:.9g}") for number in robot.upright]
         lines += ["[home]", f"upright = {upright}  # of the root at rest, as w, x, y, z", ""]
-    if home := propose_home(robot, model):
+    home = propose_home(robot, model)
+    if home:
         lines += ["[home.joints]  # the pose at rest: rad, or m for sliding joints"]
         lines += [f"{_key(joint)} = {_rest(rest)}" for joint, rest in home.items()] + [""]
     if moves:
+        pose = rest_pose(model, {name: at.value for name, at in home.items()}, robot.upright)
         lines += [
             "[health]  # an episode ends early beyond these limits",
             "tilt_degrees = 60",
-            "height = [0.5, 2.0]  # of the root, in multiples of that at rest",
+            *([] if lies_low(model, pose) else [_HEIGHT]),
             "",
         ]
     else:

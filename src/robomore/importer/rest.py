@@ -8,13 +8,16 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.envs.root import SIMPLE_JOINTS
+from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import unit_of
 from robomore.importer.reading import Robot
 
 _TRIES = 121
 """Angles of a joint that are tried."""
+
+_LOW = 0.02
+"""Fraction of a robot's height below which its root lies on the floor, as ROS's footprints do."""
 
 _PARALLEL = 0.9
 """Cosine above which two hinges bend a limb in one plane."""
@@ -77,6 +80,19 @@ def propose_home(robot: Robot, model: mujoco.MjModel) -> dict[str, Rest]:
             reason = f"so that the end of the limb lies straight below it{span}"
             home[model.joint(above).name] = Rest(angle, reason)
     return home
+
+
+def lies_low(model: mujoco.MjModel, pose: NDArray[np.float64]) -> bool:
+    """Return whether the root of a robot that moves lies on the floor at rest, or below it.
+
+    Args:
+        model: of the robot, with the floor.
+        pose: (nq,) its pose at rest.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = pose
+    mujoco.mj_kinematics(model, data)
+    return find_root(model).moves and bool(data.xpos[1, 2] < _LOW * data.geom_xpos[:, 2].max())
 
 
 def _rounded(angle: float, low: float, high: float) -> float:
