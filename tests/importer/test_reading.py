@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from dog import DOG, write_arm, write_dog
@@ -16,7 +17,8 @@ def test_scenery_and_what_is_only_drawn_are_left_out_and_said(tmp_path: Path) ->
     robot = read_robot(write_dog(tmp_path))
     model = robot.spec().compile()
     assert robot.assets == {}
-    assert not any(model.geom_bodyid == 0) and model.nmesh == 0
+    assert [model.geom(n).name for n in np.flatnonzero(model.geom_bodyid == 0)] == ["floor"]
+    assert model.nmesh == 0
     assert model.body_mass.sum() == pytest.approx(5 + 4 * (0.8 + 0.2))
     said = " ".join(robot.notes)
     assert "`wall`" in said and "4 geoms that are only drawn" in said

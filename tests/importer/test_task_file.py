@@ -220,6 +220,26 @@ MISTAKES = {
         "fitness = [" + '{measure = "distance"},' * 101 + "]",
         "fitness has 101 terms; give 100 at most",
     ),
+    "degrees for radians": (
+        '"distance"',
+        '{ measure = "time-upright", options = { tilt = 45.0 } }',
+        "'time-upright' has tilt = 45.0; give a number from 0.001 to 3.14 rad",
+    ),
+    "a measure and a function": (
+        '"distance"',
+        '{ measure = "distance", function = "def fitness(t): return 1" }',
+        "'distance' stands beside the text of a function",
+    ),
+    "a part that is none": (
+        '"distance"',
+        '{ measure = "target-reached", options = { target = [1, 0], part = "FL_fot" } }',
+        "'target-reached': the robot has no part 'FL_fot'. Did you mean 'FL_foot'",
+    ),
+    "a target that is reached at rest": (
+        '"distance"',
+        '{ measure = "target-reached", options = { target = [1, 0], radius = 5.0 } }',
+        "radius = 5 m, and the robot rests 1 m from its target",
+    ),
     "a target nowhere": (
         "[[parameter]]\n",
         '[target]\npart = "FL_calf"\nposition = [0, nan, 0]\n[[parameter]]\n',
@@ -262,8 +282,10 @@ def test_a_fitness_that_cannot_work_is_found_before_training(
         check_task(read_task_file(edited(dog, 'fitness = "distance"', text)).task)
 
 
-def test_episodes_that_end_at_once_are_found_before_training(dog: Path) -> None:
-    task = read_task_file(edited(dog, "height = [0.5,", "height = [1.5,")).task
+@pytest.mark.parametrize("least", ["1.5", "1.0"])
+def test_episodes_that_end_at_once_are_found_before_training(dog: Path, least: str) -> None:
+    """Also those that begin healthy: from exactly its rest height a robot can only sink."""
+    task = read_task_file(edited(dog, "height = [0.5,", f"height = [{least},")).task
     with pytest.raises(AssertionError, match="each ends at once"):
         check_task(task)
 

@@ -52,6 +52,9 @@ def at(speed: float, seconds: float, **more: Any) -> Trajectory:
 
 
 SQUARE = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0)]
+LOOP = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0), (0.0, 0.0)]
+THERE_AND_BACK = [(0.0, 0.0), (10.0, 0.0), (10.0, 0.8), (0.0, 0.8)]
+LANE = [(0.0, 0.0), (5.0, 0.0), (0.0, 0.0), (5.0, 0.0)]
 
 CASES: list[tuple[str, dict[str, Any], Trajectory, float]] = [
     ("distance", {}, walk([1.0, 5.0, 3.5]), 2.5),
@@ -81,6 +84,14 @@ CASES: list[tuple[str, dict[str, Any], Trajectory, float]] = [
     ("path-followed", {"path": SQUARE}, at(1.0, 5), 2.0),
     ("path-followed", {"path": SQUARE, "width": 0.1}, walk([0.0, 1.0, 2.0], y=[0.0, 0.2, 0.0]), 0),
     ("path-followed", {"path": SQUARE}, walk([0.0, 1.0, 2.0, 2.2], y=[0.0, 0.1, 0.0, 1.5]), 3.5),
+    # Stepping aside skips no piece, and neither does standing where two of them lie side by side.
+    ("path-followed", {"path": LOOP}, walk([0.0, 0.0, 0.0], y=[0.0, 0.4, 0.6]), 0.0),
+    ("path-followed", {"path": THERE_AND_BACK}, walk([0.0, 0.0, 0.0], y=[0.0, 0.4, 0.6]), 0.0),
+    ("path-followed", {"path": LANE}, walk([0.0, 1.0, 0.5], y=0.1), 1.0),
+    ("path-followed", {"path": LANE}, at(1.0, 5), 5.0),
+    # A corner may be cut within the width of both pieces.
+    ("path-followed", {"path": SQUARE}, walk([0.0, 1.55, 1.65, 2.0], y=[0.0, 0.3, 0.4, 1.0]), 3.0),
+    ("path-followed", {"path": SQUARE}, walk([0.0, 1.0, 1.3, 2.0], y=[0.0, 0.3, 0.6, 1.0]), 1.0),
 ]
 
 
@@ -124,6 +135,17 @@ def test_measures_are_added_with_their_weights() -> None:
         (lambda: Fitness.sum(), "at least one measure"),
         (lambda: Fitness.of("speed-kept"), r"needs speed: Fitness.of\('speed-kept', speed=…\)"),
         (lambda: Fitness.of("distance", speed=1), "no option 'speed'. It takes none"),
+        (lambda: Fitness.of("speed-kept", speed=0.0), "speed = 0.0; give a number from 0.001 to"),
+        (lambda: Fitness.of("speed-kept", speed=math.nan), "speed = nan; give .* m/s"),
+        (lambda: Fitness.of("speed-kept", speed="fast"), "speed = 'fast'; give a number"),
+        (lambda: Fitness.of("time-upright", tilt=45.0), "to 3.14 rad .45 degrees are 0.785 rad"),
+        (lambda: Fitness.of("target-reached", target=(1, 0), radius=-1), "radius = -1; give"),
+        (lambda: Fitness.of("target-reached", target=(1,)), r"target = \(1,\); give \(x, y\) or"),
+        (lambda: Fitness.of("target-reached", target=(1, 0), part=3), "part = 3; give the name"),
+        (lambda: Fitness.of("path-followed", path=[(0, 0)]), "give two points"),
+        (lambda: Fitness.of("path-followed", path=[(0, 0, 0), (1, 0, 0)]), r"points \(x, y\) in m"),
+        (lambda: Fitness.of("path-followed", path=[(0, 0), (1, 0), (1, 0)]), r"\[1, 0\] stands"),
+        (lambda: Fitness.of("path-followed", path=SQUARE, width=0), "width = 0; give"),
     ],
 )
 def test_what_makes_no_fitness_is_refused_with_the_remedy(make: Any, said: str) -> None:

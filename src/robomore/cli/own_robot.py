@@ -13,6 +13,8 @@ from robomore.cli.inputs import new_folder
 from robomore.cli.output import write
 
 if TYPE_CHECKING:
+    import mujoco
+
     from robomore.importer.task_file import ReadTask
     from robomore.tasks import Task
 
@@ -126,8 +128,6 @@ def _check(task: Task, given: str) -> None:
 
 def _tell(read: ReadTask, before: Sequence[str] = ()) -> None:
     """Say what was found in a robot and what is free, and the notes `before` that."""
-    import mujoco
-
     from robomore.importer.limbs import find_links, groups
 
     model = read.robot.spec().compile()
@@ -144,11 +144,10 @@ def _tell(read: ReadTask, before: Sequence[str] = ()) -> None:
             f"{', '.join(edit.parts)}"
         )
     lines.append(f"  mass by {read.task.mass}")
-    moves = bool((model.jnt_type == mujoco.mjtJoint.mjJNT_FREE).any())
-    base = "moves freely" if moves else "is fixed to the world, since nothing gives it a free joint"
+    base, remedy = _base(model)
     lines.append(f"  its base {base}; its goal is `{read.task.goal.name}`")
-    if not moves:
-        lines.append("    if it is to move, give its root a <freejoint/>, or `new` --base free")
+    if remedy:
+        lines.append(f"    if it is to move, {remedy}")
     lines += [
         f"  added by the task file: a {group.kind} of {group.torque:g} N·m for "
         f"{', '.join(group.joints)}"
@@ -156,6 +155,22 @@ def _tell(read: ReadTask, before: Sequence[str] = ()) -> None:
     ]
     lines += [f"  note: {note}" for note in dict.fromkeys((*before, *read.notes))]
     write("\n".join(lines) + "\n")
+
+
+def _base(model: mujoco.MjModel) -> tuple[str, str]:
+    """Return how a robot's base moves, and what would make a fixed one move freely, in words."""
+    from robomore.envs.root import find_root
+
+    base = find_root(model).base
+    if base != "fixed":
+        return {"free": "moves freely", "planar": "moves in the plane of x and z"}[base], ""
+    first, count = int(model.body_jntadr[1]), int(model.body_jntnum[1])
+    if not count:
+        remedy = "give its root a <freejoint/>, or `new` --base free"
+        return "is fixed to the world, since nothing gives it a free joint", remedy
+    names = ", ".join(model.joint(joint).name for joint in range(first, first + count))
+    remedy = "give its root a <freejoint/> in the place of these joints"
+    return f"hangs from the world by {names}", remedy
 
 
 def _tell_simulated(task: Task) -> None:

@@ -173,13 +173,15 @@ class MeasuredEnv(VectorEnv):
         if self.healthy[index] or not self.terminates:
             return ""
         low, high = getattr(self.environment, "_healthy_z_range", (-math.inf, math.inf))
-        height = self.qpos[index, 2 if self._free else 1]
+        height = self.environment.batch_root(self.qpos[[index]])[0, 1]
         if height <= low:
             return "too_low"
         if height >= high:
             return "too_high"
         low, high = getattr(self.environment, "_healthy_angle_range", (-math.inf, math.inf))
         tilted = not self._free and not low < self.qpos[index, 2] < high
+        # A robot of one's own has no other rules than its height and its tilt.
+        tilted |= getattr(self.environment, "_healthy_tilt", None) is not None
         return "tilted" if tilted else "unhealthy"
 
 

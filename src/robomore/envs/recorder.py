@@ -81,14 +81,15 @@ class Recorder:
     def _upright(self, qpos: Array) -> Array:
         """Return (n,) cosines of the angle by which the root leans away from its rest pose."""
         model, lean = self._model, np.zeros(len(qpos))
+        start = self._environment.init_qpos
         for joint in self._root_joints():
             first, kind = int(model.jnt_qposadr[joint]), self._kind(joint)
             if kind in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
                 first += 3 if kind == mujoco.mjtJoint.mjJNT_FREE else 0
-                now, rest = qpos[:, first : first + 4], model.qpos0[first : first + 4]
+                now, rest = qpos[:, first : first + 4], start[first : first + 4]
                 return _vertical_cosine(now, rest)
             if kind == mujoco.mjtJoint.mjJNT_HINGE and abs(model.jnt_axis[joint, 2]) < 0.5:
-                lean += qpos[:, first] - model.qpos0[first]
+                lean += qpos[:, first] - start[first]
         return np.cos(lean)
 
     def _kind(self, joint: int) -> mujoco.mjtJoint:
@@ -118,7 +119,7 @@ def _part(model: mujoco.MjModel, qpos: Array, name: str) -> Array:
         InputError: the robot has no part of that name.
     """
     data = mujoco.MjData(model)
-    place = _place(model, data, name)
+    place = place_of(model, data, name)
     found = np.empty((len(qpos), 3))
     for row, pose in enumerate(qpos):
         data.qpos[:] = pose
@@ -127,7 +128,12 @@ def _part(model: mujoco.MjModel, qpos: Array, name: str) -> Array:
     return found
 
 
-def _place(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Callable[[], Array]:
+def place_of(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Callable[[], Array]:
+    """Return what gives the live position (3,) in m of a body, site or geom.
+
+    Raises:
+        InputError: the robot has no part of that name.
+    """
     names: list[str] = []
     for kind in _KINDS:
         count = {"body": model.nbody, "site": model.nsite, "geom": model.ngeom}[kind]
@@ -138,4 +144,6 @@ def _place(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> Callable[[]
             return lambda: positions[index]
         names += [one for one in of_kind if one and one != "world"]
     hint = did_you_mean(name, names)
-    raise InputError(f"the robot has no part {name!r}.{hint} It has {', '.join(names)}")
+    raise InputError(
+        f"the robot has no part {name!r}.{hint} It has {', '.join(dict.fromkeys(names))}"
+    )

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.root import find_root
 from robomore.tasks.task import Task
 
 Array = NDArray[np.float64]
@@ -27,7 +28,7 @@ def starting_pose(task: Task, model: mujoco.MjModel) -> Array:
 
 
 def rest_pose(model: mujoco.MjModel, home: Mapping[str, float], upright: Sequence[float]) -> Array:
-    """Return qpos (nq,) at rest; the lowest point of a free robot is just above the floor.
+    """Return qpos (nq,) at rest; the lowest point of a robot that moves is just above the floor.
 
     Args:
         model: of the robot.
@@ -38,13 +39,16 @@ def rest_pose(model: mujoco.MjModel, home: Mapping[str, float], upright: Sequenc
     for number in range(model.njnt):
         if (value := home.get(model.joint(number).name)) is not None:
             pose[model.jnt_qposadr[number]] = value
-    if not (model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE):
+    root = find_root(model)
+    if not root.moves:
         return pose
-    pose[:3], pose[3:7] = 0.0, upright
+    if root.base == "free":
+        pose[:3], pose[3:7] = 0.0, upright
+    pose[[root.along, root.up]] = 0.0 - root.origin
     data = mujoco.MjData(model)
     data.qpos[:] = pose
     mujoco.mj_forward(model, data)
-    pose[2] = CLEARANCE - lowest_point(model, data)
+    pose[root.up] += CLEARANCE - lowest_point(model, data)
     return pose
 
 

@@ -7,19 +7,28 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from robomore.envs.rest_pose import rest_pose
+from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, Edit, MassMode, MotorGroup
 from robomore.importer.feet import contact_names
+from robomore.importer.goal_faults import refuse_goal
+from robomore.importer.left_out import FLOOR
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import one_sided, within_ranges
-from robomore.importer.reading import SIMPLE_JOINTS, Robot
+from robomore.importer.reading import Robot
+from robomore.importer.rest import lies_low
 from robomore.importer.template import TemplateWriter
 from robomore.tasks.fitness import Fitness
 from robomore.tasks.portable import ENVIRONMENT, FixedOptions, refuse_files, refuse_texts
 from robomore.tasks.task import Parameter, Task
 from robomore.tasks.template import fill
+
+_SUNK = 0.001
+"""Depth in m inside the floor that a robot which is fixed to the world may rest at."""
 
 TARGET = "target_place"
 """Name of the site at the place that is to be reached."""
@@ -48,7 +57,7 @@ class Plan:
         home: pose at rest by joint.
         upright: orientation of a free root at rest.
         tilt_degrees: largest tilt of a free root, `None` for any.
-        healthy_height: least and greatest height in multiples of that at rest.
+        healthy_height: least and greatest height in multiples of that at rest, `None` for any.
         target: site or link that is to reach a place, and the place.
     """
 
@@ -70,7 +79,7 @@ class Plan:
     home: Mapping[str, float]
     upright: tuple[float, ...]
     tilt_degrees: float | None
-    healthy_height: tuple[float, float]
+    healthy_height: tuple[float, float] | None
     target: tuple[str, tuple[float, float, float]] | None
 
 
@@ -102,6 +111,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
             f"{plan.id}: the robot has no motors, so nothing can be learned; add an <actuator> "
             "section to its MJCF, or [[actuator]] tables to the task file"
         )
+    _refuse_to_fall(plan.id, rest)
     known = [rest.sensor(number).name for number in range(rest.nsensor)]
     if missing := [name for name in plan.sensors if name not in known]:
         raise InputError(
@@ -113,10 +123,19 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
     home, moved = within_ranges(
         rest, {name: plan.home.get(name, 0.0) for name in joints}, "the rest pose"
     )
-    notes += moved + one_sided(rest, rest_pose(rest, home, plan.upright), plan.reach)
-    for one, other in _overlaps(rest, home, plan.upright):
-        writer.add("contact", "exclude", name=f"{one}-{other}", body1=one, body2=other)
+    pose = rest_pose(rest, home, plan.upright)
+    notes += moved + one_sided(rest, pose, plan.reach)
+    refuse_goal(plan.id, plan.fitness, rest, pose)
+    _refuse_low_root(plan, rest, pose)
+    for one, other in _overlaps(rest, pose):
+        writer.add("contact", "exclude", body1=one, body2=other)
         notes.append(f"`{one}` and `{other}` overlap at rest: they do not touch each other")
+    for link, depth in _sunk(rest, pose).items():
+        writer.add("contact", "exclude", body1="world", body2=link)
+        notes.append(
+            f"`{link}` is {depth:.2g} m inside the floor at rest: it does not touch the floor; if "
+            "it should, place the robot higher in its file"
+        )
     step = float(rest.opt.timestep)
     frame_skip = max(1, round(1 / (plan.control_hz * step)))
     options = {
@@ -124,7 +143,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         "home": dict(home),
         "upright": list(plan.upright),
         "healthy_tilt": None if plan.tilt_degrees is None else math.radians(plan.tilt_degrees),
-        "healthy_height": list(plan.healthy_height),
+        "healthy_height": plan.healthy_height and list(plan.healthy_height),
         "reset_noise": plan.reset_noise,
         "reach": plan.reach,
         "sensors": [*plan.sensors, *(["target"] if plan.target else [])],
@@ -177,12 +196,54 @@ def _add_target(
     )
 
 
-def _overlaps(
-    model: mujoco.MjModel, home: Mapping[str, float], upright: tuple[float, ...]
-) -> list[tuple[str, str]]:
-    """Return pairs of links that are inside each other at rest."""
+def _refuse_low_root(plan: Plan, model: mujoco.MjModel, pose: NDArray[np.float64]) -> None:
+    """Refuse limits of the height in multiples of one that is next to nothing.
+
+    Raises:
+        InputError: with the remedy.
+    """
+    if plan.healthy_height and lies_low(model, pose):
+        raise InputError(
+            f"{plan.id}: the root `{model.body(1).name}` rests on the floor, so that [health] "
+            f"height = {list(plan.healthy_height)} in multiples of its height ends every episode; "
+            "leave that line out, or place the root's frame higher up in the robot's file"
+        )
+
+
+def _refuse_to_fall(id: str, model: mujoco.MjModel) -> None:
+    """Refuse a robot that moves and falls through the floor, as no solid of it can touch it.
+
+    Raises:
+        InputError: with the remedy.
+    """
+    floor = model.geom(FLOOR).id
+    bits = model.geom_contype | model.geom_conaffinity
+    touching = bits[model.geom_bodyid > 0].any() or floor in (*model.pair_geom1, *model.pair_geom2)
+    if find_root(model).moves and not touching:
+        raise InputError(
+            f"{id}: no solid of the robot touches anything (contype and conaffinity are 0), so it "
+            "falls through the floor; give those that stand on it a contype of 1 in its file"
+        )
+
+
+def _sunk(model: mujoco.MjModel, pose: NDArray[np.float64]) -> dict[str, float]:
+    """Return how deep in m links are inside the floor in the pose at rest (nq,)."""
     data = mujoco.MjData(model)
-    data.qpos[:] = rest_pose(model, home, upright)
+    data.qpos[:] = pose
+    mujoco.mj_forward(model, data)
+    found: dict[str, float] = {}
+    for contact in data.contact:
+        one, other = sorted(int(model.geom_bodyid[geom]) for geom in contact.geom)
+        if one == 0 and contact.dist < -_SUNK:
+            name = model.body(other).name
+            found[name] = max(found.get(name, 0.0), -float(contact.dist))
+    return found
+
+
+def _overlaps(model: mujoco.MjModel, pose: NDArray[np.float64]) -> list[tuple[str, str]]:
+    """Return pairs of links that are inside each other in the pose at rest (nq,)."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = pose
     mujoco.mj_forward(model, data)
     pairs: dict[tuple[str, str], None] = {}  # in their order
     for contact in data.contact:

@@ -9,10 +9,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.importer.edits import MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.limbs import kind
-from robomore.importer.reading import SIMPLE_JOINTS
 
 _STRENGTH = 2.5
 """A motor is so many times as strong as what holds its limb up, or its part of the robot."""
@@ -58,10 +58,11 @@ def propose_motors(model: mujoco.MjModel) -> tuple[ProposedMotors, ...]:
     mujoco.mj_forward(model, data)
     feet = [model.body(name).id for name in contact_names(model).values()]
     carriers = _carriers(model, data, feet)
+    root = find_root(model)
     found: dict[tuple[str, str, float], list[str]] = {}
     reasons: dict[tuple[str, str, float], str] = {}
     for joint in range(model.njnt):
-        if int(model.jnt_type[joint]) in SIMPLE_JOINTS:
+        if int(model.jnt_type[joint]) in SIMPLE_JOINTS and joint not in root.joints:
             name = model.joint(joint).name
             which = "servo" if model.jnt_limited[joint] else "motor"
             exact, reason = _torque(model, data, carriers, joint)
@@ -101,7 +102,7 @@ def _torque(
     reason = f"{_STRENGTH:g} times what holds up {held:.2g} kg at {reach / 2:.2g} m"
     standing = 0.0
     legs = [carrier for carrier in carriers if carrier in below]
-    if model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE and legs:
+    if find_root(model).moves and legs:
         mass, share = float(model.body_subtreemass[0]), max(2, len(carriers))
         length = max(_leg_length(model, data, leg) for leg in legs)
         lever, what = reach, f"{reach:.2g} m"

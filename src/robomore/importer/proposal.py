@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal
 
 import mujoco
+import numpy as np
 
+from robomore.envs.rest_pose import rest_pose
+from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.limbs import Link, find_links, groups, kind
 from robomore.importer.motors import ProposedMotors, propose_motors
-from robomore.importer.reading import SIMPLE_JOINTS, Robot
-from robomore.importer.rest import Rest, propose_home
+from robomore.importer.reading import Robot
+from robomore.importer.rest import Rest, lies_low, propose_home
 from robomore.importer.strength import strength_of
 from robomore.plain_files import cannot_write
 from robomore.tasks.registry import TASKS
@@ -35,8 +39,14 @@ _MOST_GROUPS = 6
 _LEAST_SHARE = 0.25
 """Links shorter than this fraction of the longest one are not proposed as free."""
 
+_HEIGHT = "height = [0.5, 2.0]  # of the root, in multiples of that at rest"
+
 _REACH = "reach = 0.35  # fraction of each control range that actions use"
 """For servos, since smaller motions are learnt sooner; motors would lack torque."""
+
+_SIDEWAYS = "    sideways = -0.5 * abs(self.data.qvel[1]) - 0.5 * abs(self.heading)\n"
+_SIDEWAYS_TERM = '"sideways": sideways, '
+"""What a reward says that a robot in a plane cannot do."""
 
 _WALKING = '''def _get_rew(self, x_velocity, action):
     """Forward speed, a bonus for staying upright, less the cost of effort."""
@@ -110,7 +120,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
     model = robot.spec().compile()
     proposed = propose_motors(model)
     motors = [one.group for one in proposed]
-    moves = bool(model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
+    moves = find_root(model).moves
     if goal and not moves:
         raise InputError(
             f"--goal {goal} is for a robot that moves freely, and this one is fixed to the world: "
@@ -123,7 +133,7 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         *(f"# Note: {note}." for note in robot.notes[:_MOST_NOTES]),
         f"id = {_text(id)}",
         f"title = {_text(name.replace('_', ' ').replace('-', ' ').title())}",
-        f'description = """{_description(model, moves, goal)}"""',
+        f'description = """{_multiline(_description(model, moves, goal))}"""',
         f"robot = {_text(ROBOT_FILE)}",
         "",
         *_goal(model, moves, goal),
@@ -136,14 +146,19 @@ def proposal(robot: Robot, name: str, free: Sequence[str] = (), goal: Goal | Non
         *([_REACH] if moves and _has_servos(model, motors) else []),
         "",
     ]
-    if home := propose_home(robot, model):
+    if find_root(model).base == "free" and not np.allclose(robot.upright, (1.0, 0.0, 0.0, 0.0)):
+        upright = [float(f"{number:.9g}") for number in robot.upright]
+        lines += ["[home]", f"upright = {upright}  # of the root at rest, as w, x, y, z", ""]
+    home = propose_home(robot, model)
+    if home:
         lines += ["[home.joints]  # the pose at rest: rad, or m for sliding joints"]
         lines += [f"{_key(joint)} = {_rest(rest)}" for joint, rest in home.items()] + [""]
     if moves:
+        pose = rest_pose(model, {name: at.value for name, at in home.items()}, robot.upright)
         lines += [
             "[health]  # an episode ends early beyond these limits",
             "tilt_degrees = 60",
-            "height = [0.5, 2.0]  # of the root, in multiples of that at rest",
+            *([] if lies_low(model, pose) else [_HEIGHT]),
             "",
         ]
     else:
@@ -172,6 +187,8 @@ def _goal(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> list[str]:
         weight = float(model.body_mass.sum()) * 9.81
         fitness = "transport-economy"
         reward = _ECONOMY.replace("WATTS", str(float(f"{_COSTLY * weight:.2g}")))
+    if find_root(model).base == "planar":
+        reward = reward.replace(_SIDEWAYS, "").replace(_SIDEWAYS_TERM, "")
     return [f"fitness = {_text(fitness)}", f"reward = '''\n{reward}'''"]
 
 
@@ -270,8 +287,14 @@ def _actuator(proposed: ProposedMotors) -> list[str]:
 def _description(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> str:
     links = groups(find_links(model), model)
     parts = [f"{len(group)} x {name}" if len(group) > 1 else name for name, group in links]
+    root = find_root(model)
     joints = sum(int(kind) in SIMPLE_JOINTS for kind in model.jnt_type)
-    base = "that moves freely" if moves else "whose base is fixed to the ground"
+    joints -= len(root.joints) if root.base == "planar" else 0
+    base = {
+        "free": "that moves freely",
+        "planar": "that moves in the plane of x and z",
+        "fixed": "whose base is fixed to the ground",
+    }[root.base]
     feet = list(contact_names(model))
     ends = f" Its limbs end in {', '.join(feet)}." if feet else ""
     said = (
@@ -286,8 +309,8 @@ def _description(model: mujoco.MjModel, moves: bool, goal: Goal | None) -> str:
 
 def _tip(model: mujoco.MjModel) -> str:
     """Return the part of an arm that is to reach a target: its last site, or its last link."""
-    if model.nsite:
-        return str(model.site(model.nsite - 1).name)
+    if sites := [site for site in range(model.nsite) if model.site_bodyid[site]]:
+        return str(model.site(sites[-1]).name)
     return str(model.body(model.nbody - 1).name)
 
 
@@ -307,7 +330,12 @@ def identifier(name: str) -> str:
 
 
 def _key(name: str) -> str:
-    return name if all(one.isalnum() or one in "-_" for one in name) else _text(name)
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
+
+
+def _multiline(text: str) -> str:
+    """Return a text as it stands between three quotes, which read a backslash as TOML does."""
+    return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
 def _text(value: str) -> str:

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import msgspec
 import mujoco
-import numpy as np
 
 from robomore.errors import InputError
 from robomore.importer.first_compile import (
@@ -21,22 +20,20 @@ from robomore.importer.first_compile import (
     check_amounts,
     compile_first,
 )
-from robomore.importer.ranges import within_ranges
+from robomore.importer.keyframe import home, take_keyframe
+from robomore.importer.left_out import drop_scenery, drop_sensors, drop_visuals
+from robomore.importer.urdf import is_urdf, read_urdf
 from robomore.importer.xml_faults import refuse_braces, xml_fault
 from robomore.plain_files import what_stands_at
 from robomore.suggestions import path_meant
 from robomore.tasks.meshes import MOST_BYTES, check_meshes
 from robomore.tasks.sizes import check_sizes
 
-SIMPLE_JOINTS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-"""Types of joints with one position and one velocity."""
-
-FLOOR = "floor"
-"""Name of the ground, which is ours: a plane at height 0."""
-
-
 _MOST_FILE = 16 * 2**20
 """Bytes of a robot's file without what it includes; the largest known has a tenth of it."""
+
+_LARGEST = 25.0
+"""Distance in m from the middle of a solid to its end."""
 
 _LONGEST_NAME = 200
 """Characters of a part's name."""
@@ -106,57 +103,37 @@ def _read(path: Path, base: str | None) -> Robot:
     """Read a robot as `read_robot` does, without limits."""
     notes: list[str] = []
     try:
-        spec = _urdf(path) if path.suffix == ".urdf" else mujoco.MjSpec.from_file(str(path))
-        root = _one_robot(spec, notes)
-        _set_base(spec, root, base or ("free" if path.suffix == ".urdf" else None), notes)
-        _drop_scenery(spec, notes)
-        _drop_visuals(spec, notes)
+        urdf = is_urdf(path.read_bytes())
+        spec = read_urdf(path) if urdf else mujoco.MjSpec.from_file(str(path))
+        root = _root(spec)
+        keyframe = take_keyframe(spec, root)
+        _drop_others(spec, root, notes)
+        _set_base(spec, root, base or ("free" if urdf else None), notes)
+        drop_scenery(spec, notes)
+        drop_visuals(spec, notes)
         assets = _assets(spec, path)
         _name_parts(spec)
-        _drop_sensors(spec, notes)
+        drop_sensors(spec, notes)
         # Links without a joint become part of what they are fixed to, but never of the world.
         spec.compiler.fusestatic = bool(root.joints)
-        home, upright = _home(spec, notes)
         with warnings.catch_warnings():
             # It warns of attachments without a prefix; the text is read back below.
             warnings.simplefilter("ignore")
-            spec.compile()
+            rest, upright = home(spec, keyframe, notes)
             text = spec.to_xml()
         tree = ET.fromstring(text)
         refuse_braces(path, tree)
         check_sizes(path.name, tree)
-        check_amounts(str(path), mujoco.MjSpec.from_string(text, assets=assets).compile())
+        model = mujoco.MjSpec.from_string(text, assets=assets).compile()
+        check_amounts(str(path), model)
+        _refuse_millimetres(path, model)
     except (ValueError, OSError) as error:
         raise InputError(xml_fault(path, error)) from None
-    return Robot(text, assets, home, upright, tuple(notes))
+    return Robot(text, assets, rest, upright, tuple(notes))
 
 
-def _urdf(path: Path) -> mujoco.MjSpec:
-    """Return a URDF robot whose root is not welded to the world, as MuJoCo does by default."""
-    text = path.read_text(encoding="utf-8")
-    options = (
-        '<mujoco><compiler fusestatic="false" discardvisual="true" strippath="false"/></mujoco>'
-    )
-    text = re.sub(r"<mujoco>.*?</mujoco>", "", text, flags=re.DOTALL)
-    text = re.sub(r"(<robot\b[^>]*>)", rf"\1{options}", text, count=1)
-    text = re.sub(r'filename="([^"]+)"', lambda found: _located(found[1], path), text)
-    spec = mujoco.MjSpec.from_string(text)
-    spec.compiler.balanceinertia = True
-    return spec
-
-
-def _located(name: str, urdf: Path) -> str:
-    """Return a URDF's `filename="…"` with the path of the file that it means."""
-    relative = re.sub(r"^(package|file)://", "", name)
-    for folder in (urdf.parent, *urdf.resolve().parents):
-        for candidate in (folder / relative, folder / relative.partition("/")[2]):
-            if candidate.is_file():
-                return f'filename="{candidate.resolve()}"'
-    return f'filename="{name}"'
-
-
-def _one_robot(spec: mujoco.MjSpec, notes: list[str]) -> mujoco.MjsBody:
-    """Return the root of the tree with the most joints; other trees are removed."""
+def _root(spec: mujoco.MjSpec) -> mujoco.MjsBody:
+    """Return the root of the tree with the most joints."""
     roots = list(spec.worldbody.bodies)
     if not roots:
         raise ValueError("its <worldbody> holds no body")
@@ -164,100 +141,49 @@ def _one_robot(spec: mujoco.MjSpec, notes: list[str]) -> mujoco.MjsBody:
     def joints(body: mujoco.MjsBody) -> int:
         return len(body.joints) + sum(map(joints, body.bodies))
 
-    root = max(roots, key=joints)
-    for other in roots:
-        if other is not root:
+    return max(roots, key=joints)
+
+
+def _drop_others(spec: mujoco.MjSpec, root: mujoco.MjsBody, notes: list[str]) -> None:
+    for other in list(spec.worldbody.bodies):
+        if other != root:
             notes.append(f"`{other.name}` stands beside the robot and is left out")
             spec.delete(other)
-    return root
 
 
 def _set_base(
     spec: mujoco.MjSpec, root: mujoco.MjsBody, base: str | None, notes: list[str]
 ) -> None:
     free = [joint for joint in root.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    if base == "free" and not free and root.joints:
+        names = ", ".join(f"`{joint.name}`" for joint in root.joints)
+        raise ValueError(
+            f"its root `{root.name}` hangs from the world by joints ({names}); give it a "
+            "<freejoint/> in their place, or leave `--base free` out"
+        )
     if base == "free" and not root.joints:
-        for key in list(spec.keys):
-            notes.append(f"the keyframe `{key.name}` is for a fixed base and is left out")
-            spec.delete(key)
         root.add_freejoint(name="root")
         notes.append(f"`{root.name}` had no joint to the world: it has a free joint now")
     elif base == "fixed" and free:
-        for key in list(spec.keys):
-            spec.delete(key)
         for joint in free:
             spec.delete(joint)
         notes.append(f"`{root.name}` is fixed to the world now")
 
 
-def _home(spec: mujoco.MjSpec, notes: list[str]) -> tuple[dict[str, float], tuple[float, ...]]:
-    """Return the pose of the keyframe `home` or `stand`, or else of the first one, by joint.
+def _refuse_millimetres(path: Path, model: mujoco.MjModel) -> None:
+    """Refuse a robot whose lengths cannot be in m.
 
-    A joint that the keyframe puts outside of its range is at the end of the range, with a note.
+    Raises:
+        InputError: naming the longest part.
     """
-    upright = (1.0, 0.0, 0.0, 0.0)
-    keys = list(spec.keys)
-    if not keys:
-        return {}, upright
-    named = {key.name: key for key in keys}
-    key = next((named[name] for name in ("home", "stand", "standing") if name in named), keys[0])
-    qpos = np.array(key.qpos, dtype=float)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        model = spec.compile()
-    home: dict[str, float] = {}
-    if len(qpos) == model.nq:
-        for joint in range(model.njnt):
-            at = int(model.jnt_qposadr[joint])
-            if int(model.jnt_type[joint]) in SIMPLE_JOINTS:
-                home[model.joint(joint).name] = float(qpos[at])
-            elif model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE:
-                upright = tuple(qpos[at + 3 : at + 7].tolist())
-    home, moved = within_ranges(model, home, f"the keyframe `{key.name}`")
-    notes += moved
-    for key in keys:
-        spec.delete(key)
-    return home, upright
-
-
-def _drop_scenery(spec: mujoco.MjSpec, notes: list[str]) -> None:
-    """Remove what belongs to a picture or a world: lights, cameras, floors, walls, textures."""
-    world = list(spec.worldbody.geoms)
-    if len(world) > 1 or any(geom.type != mujoco.mjtGeom.mjGEOM_PLANE for geom in world):
-        names = ", ".join(f"`{geom.name}`" for geom in world if geom.name != FLOOR)
-        notes.append(f"the world's own parts are left out ({names}): the ground is a flat floor")
-    for part in [*world, *spec.worldbody.sites, *spec.lights, *spec.cameras]:
-        spec.delete(part)
-    for material in spec.materials:
-        material.textures = ["" for _ in material.textures]
-    for part in [*spec.textures, *spec.hfields, *spec.skins]:
-        spec.delete(part)
-
-
-def _drop_visuals(spec: mujoco.MjSpec, notes: list[str]) -> None:
-    """Remove geoms that touch nothing, if there are others, and meshes that nobody uses."""
-    drawn = [geom for geom in spec.geoms if not (geom.contype or geom.conaffinity)]
-    if len(drawn) == len(spec.geoms):
-        return
-    dropped = [geom for geom in drawn if geom.parent.explicitinertial or not _has_mass(geom)]
-    for geom in dropped:
-        spec.delete(geom)
-    if dropped:
-        notes.append(
-            f"{len(dropped)} geoms that are only drawn are left out: what is shown is what is "
-            "simulated"
+    parts = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
+    longest = max(parts, key=lambda geom: float(model.geom_rbound[geom]))
+    if (reach := float(model.geom_rbound[longest])) > _LARGEST:
+        raise InputError(
+            f"{path}: the solid `{model.geom(longest).name}` reaches {reach:.3g} m from its "
+            f"middle; the most is {_LARGEST:g} m. Lengths are in m: divide those in mm by 1000, "
+            'and give a mesh in mm scale="0.001 0.001 0.001"'
         )
-    bare = [body.name for body in spec.bodies if not body.geoms and body is not spec.worldbody]
-    if bare:
-        notes.append(f"these links have no solid and add no volume: {', '.join(bare)}")
-    used = {geom.meshname for geom in spec.geoms}
-    for mesh in list(spec.meshes):
-        if mesh.name not in used and Path(mesh.file).stem not in used:
-            spec.delete(mesh)
-
-
-def _has_mass(geom: mujoco.MjsGeom) -> bool:
-    return bool(geom.mass > 0 if np.isfinite(geom.mass) else geom.density > 0)
 
 
 def _assets(spec: mujoco.MjSpec, path: Path) -> dict[str, bytes]:
@@ -309,23 +235,3 @@ def _name_parts(spec: mujoco.MjSpec) -> None:
                 f"a part is called {part.name[:80]!r}; give it a name of at most {_LONGEST_NAME} "
                 "characters, all of which can be printed"
             )
-
-
-def _drop_sensors(spec: mujoco.MjSpec, notes: list[str]) -> None:
-    """Remove sensors of parts that were removed, and range finders, which measure the world."""
-    kinds = mujoco.mjtObj
-    known = {
-        kinds.mjOBJ_BODY: {body.name for body in spec.bodies},
-        kinds.mjOBJ_XBODY: {body.name for body in spec.bodies},
-        kinds.mjOBJ_SITE: {site.name for site in spec.sites},
-        kinds.mjOBJ_GEOM: {geom.name for geom in spec.geoms},
-        kinds.mjOBJ_JOINT: {joint.name for joint in spec.joints},
-        kinds.mjOBJ_ACTUATOR: {motor.name for motor in spec.actuators},
-        kinds.mjOBJ_TENDON: {tendon.name for tendon in spec.tendons},
-    }
-    for sensor in list(spec.sensors):
-        there = sensor.objname in known.get(sensor.objtype, {sensor.objname})
-        refers = not sensor.refname or sensor.refname in known.get(sensor.reftype, ())
-        if not (there and refers) or sensor.type == mujoco.mjtSensor.mjSENS_RANGEFINDER:
-            notes.append(f"the sensor `{sensor.name}` is left out: it measures the world around")
-            spec.delete(sensor)

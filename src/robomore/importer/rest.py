@@ -8,12 +8,16 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import unit_of
-from robomore.importer.reading import SIMPLE_JOINTS, Robot
+from robomore.importer.reading import Robot
 
 _TRIES = 121
 """Angles of a joint that are tried."""
+
+_LOW = 0.02
+"""Fraction of a robot's height below which its root lies on the floor, as ROS's footprints do."""
 
 _PARALLEL = 0.9
 """Cosine above which two hinges bend a limb in one plane."""
@@ -60,19 +64,40 @@ def propose_home(robot: Robot, model: mujoco.MjModel) -> dict[str, Rest]:
         limited = int(model.jnt_type[joint]) in SIMPLE_JOINTS and model.jnt_limited[joint]
         if limited and not low <= 0.0 <= high:
             reason = f"the middle of its range {low:.4g} to {high:.4g}, which leaves out 0"
-            home[model.joint(joint).name] = Rest(round((low + high) / 2, 3), reason)
+            home[model.joint(joint).name] = Rest(_rounded((low + high) / 2, low, high), reason)
             data.qpos[model.jnt_qposadr[joint]] = (low + high) / 2
             bent.append(joint)
     mujoco.mj_kinematics(model, data)
     for joint in bent:
         above = _hinge_above(model, data, joint)
         if above is not None:
-            angle = round(_straighten(model, data, above, joint), 3)
-            low, high = (float(limit) for limit in model.jnt_range[above])
-            span = f" (range {low:.4g} to {high:.4g})" if model.jnt_limited[above] else ""
+            angle, span = _straighten(model, data, above, joint), ""
+            if model.jnt_limited[above]:
+                low, high = (float(limit) for limit in model.jnt_range[above])
+                angle, span = _rounded(angle, low, high), f" (range {low:.4g} to {high:.4g})"
+            else:
+                angle = round(angle, 3)
             reason = f"so that the end of the limb lies straight below it{span}"
             home[model.joint(above).name] = Rest(angle, reason)
     return home
+
+
+def lies_low(model: mujoco.MjModel, pose: NDArray[np.float64]) -> bool:
+    """Return whether the root of a robot that moves lies on the floor at rest, or below it.
+
+    Args:
+        model: of the robot, with the floor.
+        pose: (nq,) its pose at rest.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = pose
+    mujoco.mj_kinematics(model, data)
+    return find_root(model).moves and bool(data.xpos[1, 2] < _LOW * data.geom_xpos[:, 2].max())
+
+
+def _rounded(angle: float, low: float, high: float) -> float:
+    """Return an angle with few digits that is still in its range."""
+    return min(max(round(angle, 3), low), high)
 
 
 def _hinge_above(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> int | None:

@@ -7,16 +7,19 @@ remedy.
 
 from __future__ import annotations
 
+import fnmatch
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
 from pathlib import Path
 
+from robomore.envs.root import SIMPLE_JOINTS
 from robomore.errors import InputError
 from robomore.importer.building import Plan, build
 from robomore.importer.edits import Edit, MotorGroup
 from robomore.importer.limbs import find_links
 from robomore.importer.ranges import ROUNDING, unit_of
-from robomore.importer.reading import SIMPLE_JOINTS, Robot, read_robot
+from robomore.importer.reading import Robot, read_robot
 from robomore.importer.strength import strength_of
 from robomore.importer.task_table import TaskTable, number_faults, parameter_faults, read_table
 from robomore.tasks.fitness import Fitness
@@ -78,7 +81,8 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
     def resolved(patterns: list[str], known: list[str], where: str) -> tuple[str, ...]:
         found: list[str] = []
         for pattern in patterns:
-            matching = [name for name in known if fnmatchcase(name, pattern)]
+            # A name may hold brackets, which would stand for one of several characters.
+            matching = [pattern] if pattern in known else fnmatch.filter(known, pattern)
             if not matching:
                 faults.append(f"{where}: nothing is called {pattern!r}; there are {_list(known)}")
             found += [name for name in matching if name not in found]
@@ -178,11 +182,17 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
         reach=table.reach,
         sensors=tuple(table.sensors),
         home={**robot.home, **table.home.joints},
-        upright=table.home.upright or robot.upright,
+        upright=_unit(table.home.upright or robot.upright),
         tilt_degrees=table.health.tilt_degrees,
         healthy_height=table.health.height,
         target=(table.target.part, table.target.position) if table.target else None,
     )
+
+
+def _unit(quaternion: Sequence[float]) -> tuple[float, ...]:
+    """Return a quaternion of length 1, as which alone it is a rotation."""
+    size = math.hypot(*quaternion)
+    return tuple(number / size for number in quaternion)
 
 
 def _fitness(table: TaskTable) -> Fitness:

@@ -68,7 +68,7 @@ class HealthTable(msgspec.Struct, forbid_unknown_fields=True):
     """`[health]`: when an episode ends early."""
 
     tilt_degrees: float | None = None
-    height: tuple[float, float] = (0.0, 1e6)
+    height: tuple[float, float] | None = None
 
 
 class TargetTable(msgspec.Struct, forbid_unknown_fields=True):
@@ -190,7 +190,7 @@ def number_faults(table: TaskTable) -> list[str]:
                 f"[[actuator]] stiffness = {one.stiffness:g} is a servo's; leave it out, or give "
                 'kind = "servo"'
             )
-    if table.health.height[0] >= table.health.height[1]:
+    if table.health.height and table.health.height[0] >= table.health.height[1]:
         faults.append(f"[health] height = {list(table.health.height)}; the first has to be smaller")
     if not re.fullmatch(r"[\w-]{1,64}", table.id):
         faults.append(f"id = {table.id[:80]!r}; give one of letters, digits, - and _, 64 at most")

@@ -20,8 +20,9 @@ from robomore.envs.compile import geom_volume
 from robomore.errors import InputError
 from robomore.importer.amounts import Amount, texts
 from robomore.importer.edits import Edit, MassMode, MotorGroup
+from robomore.importer.left_out import FLOOR
 from robomore.importer.limbs import ROUND, Link, ends, find_links, geoms_of, rotation
-from robomore.importer.reading import FLOOR, Robot
+from robomore.importer.reading import Robot
 
 _PLACED = ("pos", "quat", "euler", "axisangle", "xyaxes", "zaxis", "fromto")
 _SIZED = {"geom": (*_PLACED, "size", "mass"), "site": _PLACED, "joint": ("pos", "axis")}
@@ -90,7 +91,13 @@ class TemplateWriter:
         return ET.tostring(self.root, encoding="unicode") + "\n"
 
     def add(self, section: str, tag: str, **attributes: str) -> None:
-        """Add a part to a section, such as a sensor."""
+        """Add a part to a section, such as a sensor; refuse one whose name the robot has."""
+        there = self.root.iter(tag) if section == "worldbody" else self._part(section)
+        if (name := attributes.get("name")) and name in {one.get("name") for one in there}:
+            raise InputError(
+                f"the robot's file has a part called {name!r} in <{section}>, and "
+                f"so would a <{tag}> be that the task adds; rename it there"
+            )
         ET.SubElement(self._part(section), tag, attributes)
 
     def _part(self, tag: str) -> ET.Element:
@@ -260,7 +267,11 @@ class TemplateWriter:
         touches = int(np.bitwise_or.reduce(model.geom_contype, initial=1))
         touched = int(np.bitwise_or.reduce(model.geom_conaffinity, initial=1))
         ET.SubElement(world, "light", {"pos": "0 0 3", "dir": "0 0 -1", "directional": "true"})
-        floor = {"name": FLOOR, "type": "plane", "size": "40 40 0.1", "pos": "0 0 0"}
+        touch: dict[str, str] = {}
+        for ground in world.findall("geom"):  # the robot's world holds nothing else
+            touch = dict(ground.attrib)
+            world.remove(ground)
+        floor = touch | {"name": FLOOR, "type": "plane", "size": "40 40 0.1", "pos": "0 0 0"}
         # Each bit that the robot uses, so that all that can touch something touches the floor.
         floor |= {"contype": str(touched), "conaffinity": str(touches), "rgba": "0.8 0.8 0.8 1"}
         world.insert(0, ET.Element("geom", floor))

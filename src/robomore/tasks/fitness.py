@@ -38,7 +38,7 @@ class Term:
     own: FitnessMeasure | None = None
 
     def __post_init__(self) -> None:
-        """Refuse an unknown measure and unknown or missing options.
+        """Refuse an unknown measure, and options that are unknown, missing or cannot be meant.
 
         Raises:
             InputError: naming the remedy.
@@ -55,6 +55,11 @@ class Term:
                 f"the fitness {self.name!r} needs {' and '.join(missing)}: "
                 f"Fitness.of({self.name!r}, {', '.join(f'{name}=…' for name in missing)})"
             )
+        for option, check in self.measure.checks.items():
+            if wanted := check(values[option]):
+                raise InputError(
+                    f"the fitness {self.name!r} has {option} = {values[option]!r}; give {wanted}"
+                )
         if not math.isfinite(self.weight) or self.weight == 0:
             raise InputError(f"the weight of {self.name!r} is {self.weight}; give another number")
         object.__setattr__(self, "options", values)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from robomore.registry import Registry
+from robomore.tasks.measure_options import OptionCheck, number, part, path, target
 from robomore.tasks.trajectory import Trajectory
 from robomore.types import GRAVITY, LEAST_TRANSPORT
 
@@ -32,6 +33,7 @@ class FitnessMeasure:
         higher_is_better: whether more of it is better.
         motion: where it leads: forward, upward, or `other`. The offline designer looks at it.
         instead: of one where less is better: what to take as a fitness.
+        checks: of options by name: each says what may stand there in place of what does not fit.
     """
 
     meaning: str
@@ -41,6 +43,7 @@ class FitnessMeasure:
     higher_is_better: bool = True
     motion: Literal["forward", "upward", "other"] = "forward"
     instead: str = ""
+    checks: Mapping[str, OptionCheck] = field(default_factory=dict)
 
 
 def distance(trajectory: Trajectory) -> float:
@@ -134,24 +137,30 @@ def path_followed(
 ) -> float:
     """Length in m of a path of straight pieces that was followed without leaving it.
 
-    The part is followed along the path from its first point on. It ends where the part is farther
-    than `width` m from the piece that it is on and from the next one.
+    The part is followed along the path from its first point on, piece by piece: it is on the next
+    piece once it is nearer to it, or has come to the end of this one, and at most `width` m are
+    left of this one. It ends where the part is farther than `width` m from its piece.
     """
     import numpy as np  # reading a task needs no NumPy
 
     points = np.array(path, dtype=float)
     lengths = np.hypot(*np.diff(points, axis=0).T)
+
+    def placed(place: Any, piece: int) -> tuple[float, float]:
+        """Return how far along a piece the nearest point to a place is, and how far away."""
+        start, course = points[piece], (points[piece + 1] - points[piece]) / lengths[piece]
+        along = min(max(float(np.dot(place - start, course)), 0.0), float(lengths[piece]))
+        return along, float(np.hypot(*(start + course * along - place)))
+
     piece, best = 0, 0.0
     for place in trajectory.where(part)[:, :2]:
-        while True:
-            start, end = points[piece], points[piece + 1]
-            along = float(np.dot(place - start, end - start)) / float(lengths[piece])
-            along = min(max(along, 0.0), float(lengths[piece]))
-            off = float(np.hypot(*(start + (end - start) * along / lengths[piece] - place)))
-            if piece + 2 < len(points) and (off > width or along >= lengths[piece]):
-                piece += 1
-                continue
-            break
+        along, off = placed(place, piece)
+        while piece + 2 < len(points):
+            left = float(lengths[piece]) - along
+            further, beside = placed(place, piece + 1)
+            if left > width or beside > width or (left > 0 and beside >= off):
+                break
+            piece, along, off = piece + 1, further, beside
         if off > width:
             break
         best = max(best, float(lengths[:piece].sum()) + along)
@@ -172,6 +181,7 @@ BUILT_IN: dict[str, FitnessMeasure] = {
         "",
         speed_kept,
         {"speed": None},
+        checks={"speed": number(0.001, 1000, "m/s", backward=True)},
     ),
     "distance-per-energy": FitnessMeasure(
         "how far the torso gets in the direction of +x for each joule of mechanical energy of the "
@@ -192,6 +202,7 @@ BUILT_IN: dict[str, FitnessMeasure] = {
         target_reached,
         {"target": None, "radius": 0.5, "part": ""},
         motion="other",
+        checks={"target": target, "radius": number(0, 1000, "m"), "part": part},
     ),
     "terrain-covered": FitnessMeasure(
         "the farthest horizontal distance of the torso from its start in an episode, whatever the "
@@ -212,6 +223,10 @@ BUILT_IN: dict[str, FitnessMeasure] = {
         time_upright,
         {"tilt": 0.8, "height": 0.5},
         motion="other",
+        checks={
+            "tilt": number(0.001, 3.14, "rad (45 degrees are 0.785 rad)"),
+            "height": number(0, 10),
+        },
     ),
     "path-followed": FitnessMeasure(
         "how far the path through the points {path} m is followed, from its start on, without ever "
@@ -220,6 +235,7 @@ BUILT_IN: dict[str, FitnessMeasure] = {
         path_followed,
         {"path": None, "width": 0.5, "part": ""},
         motion="other",
+        checks={"path": path, "width": number(0.001, 1000, "m"), "part": part},
     ),
     "energy": FitnessMeasure(
         "the mechanical energy of the motors in an episode",

@@ -94,7 +94,7 @@ class _Options(msgspec.Struct, forbid_unknown_fields=True):
     home: dict[str, _Number] = {}
     upright: tuple[_Number, _Number, _Number, _Number] = (1.0, 0.0, 0.0, 0.0)
     healthy_tilt: _Share | None = None
-    healthy_height: tuple[_Number, _Number] = (0.0, 1.0)
+    healthy_height: tuple[_Number, _Number] | None = None
     reset_noise: _Share = 0.0
     reach: _Share = 1.0
     sensors: tuple[str, ...] = ()
@@ -218,6 +218,11 @@ def make_fitness(
     parts: list[tuple[float, str | Fitness]] = []
     for term in terms:
         if term.function:
+            if term.measure or term.options:
+                raise InputError(
+                    f"{term.measure or 'options'!r} stands beside the text of a function in one "
+                    "term of the fitness; give a measure with its options, or a function"
+                )
             if NAME not in term.function:
                 raise InputError(f"the function of the fitness has to define {NAME}(trajectory)")
             executed = trusted and not term.foreign

@@ -190,8 +190,7 @@ def _second(task: Task) -> Any:
 
 def _start_height(made: Any) -> float:
     """Return the height of the torso at the start, in m."""
-    free = made.model.jnt_type[0] == 0
-    return float(made.init_qpos[2 if free else 1])
+    return float(made.batch_root(made.init_qpos[None])[0, 1])
 
 
 def volume_line(task: Task, morphology: Morphology) -> str:

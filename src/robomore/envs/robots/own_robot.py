@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from robomore.envs.control_map import ControlMap
 from robomore.envs.rest_pose import rest_pose
 from robomore.envs.robots.base import Array, RobotEnvironment
+from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.errors import InputError
 
 _CONTACT = "contact_"
-_SIMPLE = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
 class JointState(NamedTuple):
@@ -38,8 +38,8 @@ class JointState(NamedTuple):
 class OwnRobotEnv(MujocoEnv, EzPickle):
     """A robot with the parts that its file has; everything else is an option.
 
-    A root that moves freely starts in its rest pose, its lowest point just above the floor, and
-    faces +x. An episode ends once it tilts or its root leaves the healthy heights.
+    A root that moves, freely or in the plane of x and z, starts in its rest pose and faces +x, its
+    lowest point just above the floor. An episode ends once it tilts or leaves the healthy heights.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
         home: Mapping[str, float] | None = None,
         upright: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
         healthy_tilt: float | None = 1.0,
-        healthy_height: Sequence[float] = (0.5, 2.0),
+        healthy_height: Sequence[float] | None = (0.5, 2.0),
         reset_noise: float = 0.05,
         reach: float = 1.0,
         sensors: Sequence[str] = (),
@@ -63,7 +63,7 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
             upright: orientation of a free root at rest, as a quaternion w, x, y, z.
             healthy_tilt: largest angle in rad between the root's upward direction and that at rest;
                 `None` for any.
-            healthy_height: least and greatest height of a free root, in multiples of that at rest.
+            healthy_height: least and greatest height in multiples of that at rest, `None` for any.
             reset_noise: up to so much (rad, m and rad/s, m/s) is added to each joint at the start.
             reach: fraction of each control range, on either side of the rest pose, that is used.
             sensors: names of the sensors that are observed.
@@ -79,13 +79,22 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
         MujocoEnv.__init__(self, "ant.xml", frame_skip, None, render_mode)
         self.metadata["render_fps"] = round(1 / self.dt)
         model = self.model
-        self._free = bool(model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE)
-        self._first_qpos, self._first_qvel = (7, 6) if self._free else (0, 0)
+        self._root = find_root(model)
+        self._free = self._root.base == "free"
+        self._inner = np.ones(model.nq, np.bool_)
+        self._seen_qpos, self._seen_qvel = self._inner.copy(), np.ones(model.nv, np.bool_)
+        for joint in self._root.joints:
+            start = int(model.jnt_qposadr[joint])
+            self._inner[start : start + (7 if self._free else 1)] = False
+        if self._free:
+            self._seen_qpos, self._seen_qvel[:6] = self._inner, False
+        elif self._root.moves:
+            self._seen_qpos[self._root.along] = False
         self._turn = _matrices(np.array([self._upright]))[0]
         self._joints = {
             model.joint(j).name: _places(model, j)
             for j in range(model.njnt)
-            if int(model.jnt_type[j]) in _SIMPLE
+            if int(model.jnt_type[j]) in SIMPLE_JOINTS
         }
         self._sensors = {model.sensor(s).name: _slice(model, s) for s in range(model.nsensor)}
         self._contacts = {
@@ -100,11 +109,12 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
             [i for name in sensors for i in range(*self._sensors[name])], dtype=np.intp
         )
         self.init_qpos = rest_pose(model, self._home, self._upright)
-        self._rest_height = float(self.init_qpos[2]) if self._free else 0.0
-        low, high = healthy_height
-        self._healthy_z_range = (low * self._rest_height, high * self._rest_height)
+        self._rest_height = self._height(self.init_qpos)
+        low, high = healthy_height or (-np.inf, np.inf)
+        unit = self._rest_height if healthy_height else 1.0
+        self._healthy_z_range = (low * unit, high * unit)
         self._healthy_tilt = healthy_tilt
-        self._terminate_when_unhealthy = self._free
+        self._terminate_when_unhealthy = self._root.moves
         self._map = ControlMap(model, self.init_qpos, reach)
         size = len(self._observation(self.state_vector()[None], self._observed_now()[None])[0])
         self.observation_space = Box(-np.inf, np.inf, (size,), np.float64)
@@ -143,20 +153,18 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
 
     @property
     def root_height(self) -> float:
-        """Height of a free root above the floor, in m."""
-        return float(self.data.qpos[2]) if self._free else 0.0
+        """Height of a root that moves above the floor, in m."""
+        return self._height(np.array(self.data.qpos))
 
     @property
     def rest_height(self) -> float:
-        """Height of a free root at rest, in m."""
+        """Height of a root that moves at rest, in m."""
         return self._rest_height
 
     @property
     def tilt(self) -> float:
-        """Angle between a free root's upward direction and the vertical, in rad."""
-        if not self._free:
-            return 0.0
-        up = float((_matrices(self.data.qpos[None, 3:7])[0] @ self._turn.T)[2, 2])
+        """Angle between the upward direction of a root that moves and the vertical, in rad."""
+        up = float(self._vertical(np.array(self.data.qpos)[None])[0])
         return float(np.arccos(min(1.0, max(-1.0, up))))
 
     @property
@@ -212,7 +220,7 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
         """Start an episode in the rest pose with some noise; returns the observation."""
         noise, random = self._reset_noise_scale, self.np_random
         qpos, qvel = np.array(self.init_qpos), np.zeros(self.model.nv)
-        qpos[self._first_qpos :] += random.uniform(-noise, noise, len(qpos) - self._first_qpos)
+        qpos[self._inner] += random.uniform(-noise, noise, int(self._inner.sum()))
         qvel += random.uniform(-noise, noise, len(qvel))
         rest = self._map.rest
         self.data.ctrl[:] = rest
@@ -249,8 +257,8 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
                 qvel[:, 3:6] @ self._turn.T,
             ]
         parts += [
-            qpos[:, self._first_qpos :] - self.init_qpos[self._first_qpos :],
-            qvel[:, self._first_qvel :],
+            (qpos - self.init_qpos)[:, self._seen_qpos],
+            qvel[:, self._seen_qvel],
             self._map.actions(observed[:, sensors:]),
             np.minimum(observed[:, self._flags], 1.0),
             observed[:, self._shown],
@@ -258,18 +266,29 @@ class OwnRobotEnv(MujocoEnv, EzPickle):
         return np.concatenate(parts, axis=1)
 
     def _healthy(self, qpos: Array) -> NDArray[np.bool_]:
-        if not self._free:
+        if not self._root.moves:
             return np.ones(len(qpos), np.bool_)
         low, high = self._healthy_z_range
-        healthy: NDArray[np.bool_] = (low <= qpos[:, 2]) & (qpos[:, 2] <= high)
+        height = self._root.position(qpos)[:, 1]
+        healthy: NDArray[np.bool_] = (low <= height) & (height <= high)
         if self._healthy_tilt is not None:
-            turned = _matrices(qpos[:, 3:7]) @ self._turn.T
-            healthy &= turned[:, 2, 2] >= np.cos(self._healthy_tilt)
+            healthy &= self._vertical(qpos) >= np.cos(self._healthy_tilt)
         return healthy
 
-    def _position(self) -> float:
+    def _vertical(self, qpos: Array) -> Array:
+        """Return cosines (n,) of the angle by which the root leans, for positions (n, nq)."""
         if self._free:
-            return float(self.data.qpos[0])
+            return np.asarray((_matrices(qpos[:, 3:7]) @ self._turn.T)[:, 2, 2])
+        if self._root.lean is None:
+            return np.ones(len(qpos))
+        return np.asarray(np.cos(qpos[:, self._root.lean] - self.init_qpos[self._root.lean]))
+
+    def _height(self, qpos: Array) -> float:
+        return float(self._root.position(qpos[None])[0, 1]) if self._root.moves else 0.0
+
+    def _position(self) -> float:
+        if self._root.moves:
+            return float(self.data.qpos[self._root.along])
         return float(self._place_of_tip(self.data)[0])
 
     def _place_of_tip(self, data: mujoco.MjData) -> Array:
@@ -294,8 +313,8 @@ class OwnRobotEnvironment(RobotEnvironment, OwnRobotEnv):
         return ControlMap(self.model, self.init_qpos, self._reach)
 
     def position_view(self, data: mujoco.MjData) -> Array | None:
-        if self._free:
-            return None
+        if self._root.moves:
+            return np.asarray(data.qpos)[self._root.along :][:1]
         return self._place_of_tip(data)[:1]
 
     def observed_views(self, data: mujoco.MjData) -> list[Array]:
@@ -308,9 +327,7 @@ class OwnRobotEnvironment(RobotEnvironment, OwnRobotEnv):
         return self._healthy(state[:, : self.model.nq])
 
     def batch_root(self, qpos: Array) -> Array:
-        if self._free:
-            return qpos[:, [0, 2]]
-        return np.broadcast_to(self.model.body_pos[1, [0, 2]], (len(qpos), 2)).copy()
+        return self._root.position(qpos)
 
 
 def _places(model: mujoco.MjModel, joint: int) -> tuple[int, int]:
