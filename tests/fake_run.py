@@ -48,6 +48,8 @@ REFERENCE_FITNESS = (20.0, 20.5, 21.0, 21.5, 22.0)
 MORPHOLOGY_ONLY_FITNESS = (6.0, 6.5, 7.0, 7.5, 8.0)
 REWARD_ONLY_FITNESS = (20.5, 21.0, 21.5, 22.0, 22.5)
 """In m, one for each training seed of a final."""
+Fitness = tuple[float | None, ...]
+"""Likewise; `None` for a training that failed."""
 
 
 class FakeRun:
@@ -213,10 +215,10 @@ class FakeRun:
     def final(
         self,
         best: Evaluation,
-        found: tuple[float, ...] = FOUND_FITNESS,
-        reference: tuple[float, ...] = REFERENCE_FITNESS,
-        morphology_only: tuple[float, ...] = MORPHOLOGY_ONLY_FITNESS,
-        reward_only: tuple[float, ...] = REWARD_ONLY_FITNESS,
+        found: Fitness = FOUND_FITNESS,
+        reference: Fitness = REFERENCE_FITNESS,
+        morphology_only: Fitness = MORPHOLOGY_ONLY_FITNESS,
+        reward_only: Fitness = REWARD_ONLY_FITNESS,
         champion: str = "found",
     ) -> None:
         """Train `best`, the reference design and the crossed pairs anew, and end the run.
@@ -249,7 +251,8 @@ class FakeRun:
                     with closing(Ledger(self.folder.ledger)) as ledger:
                         ledger.add_place(place, known[same].key)
                 else:
-                    known[same] = self.add(one, place, value)
+                    ended = (Status.OK, "") if value is not None else (Status.TIMED_OUT, "slow")
+                    known[same] = self.add(one, place, value, *ended)
                 groups[name].append(known[same])
         groups["champion"] = groups[champion]
         save_champion(self.folder, self.task, groups["champion"], self.settings.objective)

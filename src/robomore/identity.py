@@ -6,7 +6,7 @@ import hashlib
 from typing import Any
 
 from robomore.text import to_json
-from robomore.types import Job
+from robomore.types import Evaluation, Job
 
 
 def content_key(*parts: Any) -> str:
@@ -35,6 +35,12 @@ def job_key(job: Job, versions: dict[str, str]) -> str:
 def training_key(job: Job, versions: dict[str, str]) -> str:
     """Key of a training run whatever its budget: what a checkpoint is continued under."""
     return content_key(*_training(job), versions)
+
+
+def same_training(evaluation: Evaluation) -> object:
+    """Return what evaluations share that are one training, stopped and continued."""
+    design = evaluation.design
+    return design.morphology.parameters, design.reward.source, evaluation.job.seed
 
 
 def _training(job: Job) -> tuple[Any, ...]:

@@ -106,6 +106,18 @@ def test_the_reference_comes_with_the_final(robomore_: Command, tmp_path: Path) 
     assert said.status == 2 and "has no final yet" in said.err
 
 
+@pytest.mark.parametrize("command", ["show", "report", "export"])
+def test_a_reference_that_never_trained_is_said_to_be_so(
+    command: str, robomore_: Command, tmp_path: Path
+) -> None:
+    run = FakeRun(tmp_path / "run")
+    run.final(run.coarse(), reference=(None,) * 5)
+    out = ("--to", str(tmp_path / "out")) if command == "export" else ()
+    said = robomore_(command, tmp_path / "run", "--reference", *out)
+    assert said.status == 2 and "no training of the reference design" in said.err
+    assert "slow" in said.err
+
+
 def test_report_writes_where_it_is_told(robomore_: Command, finished: Path, tmp_path: Path) -> None:
     assert robomore_("report", finished).out.strip() == str(finished / "report.html")
     assert (finished / "report.html").stat().st_size > 10_000

@@ -69,6 +69,15 @@ def test_a_headline_takes_three_seeds(tmp_path: Path, seeds: int, shown: bool) -
     assert (found.ratio.interval is not None) is (seeds == 5)
 
 
+def test_a_headline_takes_three_seeds_that_trained(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    all_of_them = (20.0, 21.0, 22.0, 23.0, 24.0)
+    run.final(run.coarse(), (20.0, None, None, None, None), all_of_them, all_of_them, all_of_them)
+    found = load_run(tmp_path)
+    assert found.champion_role == "found" and found.ratio is not None
+    assert found.headline is None
+
+
 def test_the_smoke_preset_has_no_headline_with_any_number_of_seeds(tmp_path: Path) -> None:
     run = FakeRun(tmp_path, preset="smoke-final-seeds5")
     run.final(run.coarse())

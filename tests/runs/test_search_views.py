@@ -101,6 +101,9 @@ def test_a_training_that_goes_on_is_paid_once(tmp_path: Path) -> None:
     found = load_run(tmp_path)
     assert [point.steps for point in progress(found)] == [1_000]
     assert found.search_steps == 1_000
+    # Each stop has seconds of its own.
+    assert found.cost.core_seconds == 5.0
+    assert [row["core_seconds"] for row in found.rows()] == [5.0, 2.5]
     # What screening looked at is no candidate.
     assert [record.evaluation.key for record in found.searched] == ["whole"]
 

@@ -58,6 +58,13 @@ def test_few_seeds_and_luck_are_named(tmp_path: Path) -> None:
     assert "partly luck" in found
 
 
+def test_doing_better_in_the_final_is_no_luck_of_the_search(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    start = run.add(run.reference, Place(stage="coarse", index=(0, 0)), -10.0)
+    run.final(start, (-8.0,) * 5, (-9.0,) * 5, (-9.0,) * 5, (-9.0,) * 5)
+    assert "luck." not in said(tmp_path)
+
+
 def test_a_reference_that_gets_nowhere_is_named(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     run.final(run.coarse(), reference=(-1.0, 0.0, -0.5, -0.2, 0.1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -78,9 +79,26 @@ def test_a_tracker_is_told_every_evaluation_once(
     assert values[1]["search/fitness"] == 10.0 and values[2]["search/fitness"] == 5.0
     # A training that was cut short is no new best, and the final is no part of the search.
     assert len({one["search/best_efficiency"] for one in values[1:4]}) == 1
+    # The one that was cut short after 10 steps, and a failed one in full.
+    assert [one["cost/steps"] for one in values[1:]] == [1_000, 2_000, 2_010, 3_010, 7_010]
     assert values[4]["cost/failed"] == 1 and "search/fitness" not in values[4]
     assert values[5]["final/fitness"] == 9.0 and "search/fitness" not in values[5]
     assert fake.finished == 1
+
+
+def test_a_screened_training_is_paid_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fake = Fake()
+    module = SimpleNamespace(init=fake.init, log=fake.log, finish=fake.finish, __spec__=True)
+    monkeypatch.setitem(sys.modules, "wandb", module)  # type: ignore[arg-type]
+    tracking, run = RunTracking(["wandb"]), FakeRun(tmp_path / "one")
+    plan = run.manifest.plan
+    tracking(RunBegan("swimmer", "quick", SETTINGS, plan, "offline", "us", 7, 1, tmp_path))
+    place = Place(stage="coarse", index=(0, 0))
+    first = run.add(run.reference, place, 1.0, steps=200)
+    for steps in (200, 400, 1_000):
+        stop = replace(first, key=f"k{steps}", job=replace(first.job, steps=steps), steps=steps)
+        tracking(Finished(stop, place, known=False))
+    assert [values["cost/steps"] for values, _ in fake.logged] == [200, 400, 1_000]
 
 
 def test_tensorboard_files_lie_in_the_run_folder(tmp_path: Path) -> None:

@@ -132,7 +132,7 @@ def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
     """Return the run with what was asked for in the champion's place.
 
     Raises:
-        InputError: both were asked for, or there is no such evaluation.
+        InputError: both were asked for, or there is no such evaluation, or no trained reference.
     """
     from robomore.runs import load_run
 
@@ -144,7 +144,9 @@ def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
     if reference:
         if run.reference is None:
             raise InputError(f"{path} has no final yet, so no reference design; run it on")
-        return run.focused(run.reference.best(run.objective).key)
+        from robomore.cli.trained_design import best_seed_key
+
+        return run.focused(best_seed_key(run, run.reference))
     return run
 
 
@@ -200,7 +202,7 @@ def _print_designs(screen: Console, run: Run) -> None:
     table.add_row(f"fitness {unit}".rstrip(), *(_cell(one.fitness) for one in shown))
     table.add_row("volume m³", *(number(one.volume) for one in shown))
     table.add_row("mass / volume kg/m³", *(number(one.body.get("density")) for one in shown))
-    table.add_row("training seeds", *(str(len(one.evaluations)) for one in shown))
+    table.add_row("training seeds", *(str(len(one.trained)) for one in shown))
     for parameter in run.task.parameters:
         values = (number(one.parameters[parameter.name]) for one in shown)
         table.add_row(f"{parameter.name} {parameter.unit}", *values)

@@ -101,14 +101,19 @@ def _from_run(
     elif not reference:
         if run.champion is None:
             raise InputError(f"{run.folder} has nothing trained yet; wait, or run it on")
-        found.append(_of_run(run, _best_seed(run, run.champion), run.champion.name))
+        found.append(_of_run(run, best_seed_key(run, run.champion), run.champion.name))
     if reference or beside:
         assert run.reference is not None
-        found.append(_of_run(run, _best_seed(run, run.reference), run.reference.name))
+        found.append(_of_run(run, best_seed_key(run, run.reference), run.reference.name))
     return found
 
 
-def _best_seed(run: Run, design: TrainedDesign) -> str:
+def best_seed_key(run: Run, design: TrainedDesign) -> str:
+    """Return the key of the best training seed of a design of the final.
+
+    Raises:
+        InputError: none of them trained.
+    """
     best = best_of(design.evaluations, run.objective)
     if best is None:
         raise InputError(

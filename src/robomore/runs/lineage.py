@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from robomore.identity import same_training
 from robomore.types import Evaluation, Place
 
 
@@ -31,12 +32,6 @@ def best_of(evaluations: Iterable[Evaluation], objective: str) -> Evaluation | N
     return best[1] if best else None
 
 
-def same_training(evaluation: Evaluation) -> object:
-    """Return what evaluations share that are one training, stopped and continued."""
-    design = evaluation.design
-    return design.morphology.parameters, design.reward.source, evaluation.job.seed
-
-
 def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
     """Return how one evaluation came about: a first idea, each improvement, and itself.
 
@@ -57,6 +52,20 @@ def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
     return tuple(reversed(found))
 
 
+def with_whole_seconds(evaluations: Iterable[Evaluation]) -> dict[str, Evaluation]:
+    """Return evaluations by key; one that went on with a training has the seconds of all of it.
+
+    A ledger holds what each stop of a screened training took by itself.
+    """
+    so_far: dict[object, float] = {}
+    found = {}
+    for evaluation in sorted(evaluations, key=lambda e: e.job.steps):
+        training = same_training(evaluation)
+        so_far[training] = so_far.get(training, 0.0) + evaluation.seconds
+        found[evaluation.key] = replace(evaluation, seconds=so_far[training])
+    return found
+
+
 def trained_steps(evaluations: Iterable[Evaluation]) -> int:
     """Return the control steps of training that evaluations took; what was continued counts once.
 
@@ -67,4 +76,13 @@ def trained_steps(evaluations: Iterable[Evaluation]) -> int:
     for evaluation in evaluations:
         training = same_training(evaluation)
         longest[training] = max(evaluation.job.steps, longest.get(training, 0))
+    return sum(longest.values())
+
+
+def trained_seconds(evaluations: Iterable[Evaluation]) -> float:
+    """Return the core-seconds that evaluations took; what was continued counts once."""
+    longest: dict[object, float] = {}
+    for evaluation in evaluations:
+        training = same_training(evaluation)
+        longest[training] = max(evaluation.seconds, longest.get(training, 0.0))
     return sum(longest.values())

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from robomore.runs.lineage import Record, same_training
+from robomore.identity import same_training
+from robomore.runs.lineage import Record
 
 if TYPE_CHECKING:
     from robomore.runs.run import Run

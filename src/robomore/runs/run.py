@@ -14,7 +14,7 @@ from robomore.llm import Spending
 from robomore.plan import Plan
 from robomore.runs.empty import EmptySlot
 from robomore.runs.failures import Failure, failures_of
-from robomore.runs.lineage import Record, ancestry, best_of, trained_steps
+from robomore.runs.lineage import Record, ancestry, best_of, trained_seconds, trained_steps
 from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.pareto import covered, pareto_set
 from robomore.runs.table import Row, dataframe, rows
@@ -137,10 +137,11 @@ class Run:
     @property
     def headline(self) -> Spread | None:
         """The ratio, if something was found, was trained, and has seeds enough for a headline."""
-        manifest = self.manifest
         if not self.final or self.champion_role == "reference" or self.is_smoke:
             return None
-        return self.ratio if manifest.settings.final.seeds >= FEWEST_FOR_HEADLINE else None
+        pair = (self.champion, self.reference)
+        enough = all(one and len(one.trained) >= FEWEST_FOR_HEADLINE for one in pair)
+        return self.ratio if enough else None
 
     @cached_property
     def pairs(self) -> Pairs | None:
@@ -201,7 +202,7 @@ class Run:
         return Cost(
             evaluations=len(self.evaluations),
             steps=trained_steps(self.evaluations),
-            core_seconds=sum(evaluation.seconds for evaluation in self.evaluations),
+            core_seconds=trained_seconds(self.evaluations),
         )
 
     @cached_property

@@ -11,6 +11,7 @@ import msgspec
 
 from robomore.errors import InputError
 from robomore.events import Event, Finished, RunBegan, Spent
+from robomore.identity import same_training
 from robomore.text import to_json
 from robomore.trackers.registry import TRACKERS
 from robomore.trackers.tracker import Tracked, Tracker
@@ -42,6 +43,7 @@ class RunTracking:
         self._trackers: dict[str, Tracker] = {}
         self._began: RunBegan | None = None
         self._seen: set[str] = set()
+        self._trained: dict[object, int] = {}
         self._best: float | None = None
         self._totals = {"cost/steps": 0.0, "cost/core_seconds": 0.0, "cost/failed": 0.0}
 
@@ -81,7 +83,10 @@ class RunTracking:
 
     def _values(self, event: Finished) -> dict[str, float]:
         evaluation, began = event.evaluation, self._began
-        self._totals["cost/steps"] += evaluation.steps
+        # A screened training is told again at each stop, and a failed one counts in full.
+        training, steps = same_training(evaluation), evaluation.job.steps
+        self._totals["cost/steps"] += max(0, steps - self._trained.get(training, 0))
+        self._trained[training] = max(steps, self._trained.get(training, 0))
         self._totals["cost/core_seconds"] += evaluation.seconds
         self._totals["cost/failed"] += not evaluation.ok
         values = dict(self._totals)
