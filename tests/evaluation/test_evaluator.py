@@ -184,6 +184,25 @@ def test_a_fault_of_ours_is_tried_again_and_told(tmp_path: Path) -> None:
     assert failed.status is Status.FAILED and len(executor.requests) == 2
 
 
+def test_a_fault_of_ours_is_tried_again_by_the_next_process_and_by_this_one_no_more(
+    tmp_path: Path,
+) -> None:
+    def full(request: Request) -> Outcome:
+        return answered(Evaluation(request.key, request.job, Status.FAILED, "no space left"))
+
+    executor = Scripted(full)
+    first = evaluator(tmp_path, executor)
+    (failed,) = first.measure([trial(1)], budget=BUDGET)
+    count = len(executor.requests)
+    assert first.measure([trial(1)], budget=BUDGET) == [failed]
+    assert len(executor.requests) == count
+    first.ledger.close()
+    healthy = evaluator(tmp_path, Scripted())
+    (found,) = healthy.measure([trial(1)], budget=BUDGET)
+    assert found.ok and found.key == failed.key
+    assert healthy.ledger.evaluation(found.key) == found
+
+
 def test_no_design_is_blamed_where_nothing_can_be_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -206,7 +225,7 @@ def test_no_design_is_blamed_where_no_worker_starts(tmp_path: Path) -> None:
 
 def test_a_policy_that_comes_out_otherwise_is_not_passed_off(tmp_path: Path) -> None:
     def luckier(request: Request) -> Outcome:
-        known = Evaluation(request.key, request.job, Status.OK, episode_fitness=(9.0,), **NUMBERS)
+        known = Evaluation(request.key, request.job, Status.OK, episode_fitness=(1.0,), **NUMBERS)
         return answered(known, b"another policy")
 
     ours = evaluator(tmp_path, Scripted(good))

@@ -100,6 +100,9 @@ def test_a_good_answer_is_carried_over(policy: bytes) -> None:
         {"job": {"task": "ant"}},
         {"job": None},
         {"notes": [[]]},
+        {"efficiency": 1e11},
+        {"fitness": 3.0},
+        {"episode_fitness": [1.0, 99.0]},
     ],
     ids=str,
 )

@@ -10,6 +10,7 @@ import pytest
 from robomore.errors import InputError, UnfitWorker
 from robomore.evaluation import work as worker
 from robomore.evaluation.request import Answer, Request
+from robomore.release import VERSION
 from robomore.store.manifest import package_versions
 from robomore.tasks import get_task
 from robomore.tasks.fingerprint import task_key
@@ -36,6 +37,14 @@ def asked(request: Request) -> Answer:
 def test_the_same_versions_are_welcome(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(worker, "ensure", lambda _: None)
     assert asked(FAR).evaluation.status == Status.INVALID_REWARD
+
+
+def test_the_version_is_that_of_the_code_and_not_of_an_old_installation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("robomore.store.manifest.version", lambda package: "an old one")
+    assert package_versions("robomore")["robomore"] == VERSION
+    assert package_versions()["mujoco"] == "an old one"
 
 
 def test_another_version_is_named_and_nothing_begun(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -90,6 +90,8 @@ class Evaluator:
     refusal: Callable[[Morphology], str] = field(default=no_refusal)
     _left: dict[str, Any] = field(default_factory=dict)
     """Checkpoints that lie on other machines, by name, see `RemoteExecutor`."""
+    _failed: set[str] = field(default_factory=set)
+    """Keys of evaluations that this process has seen end as a fault of ours."""
 
     def measure(
         self,
@@ -118,7 +120,9 @@ class Evaluator:
         keys = [job_key(job, self.versions) for job in jobs]
         if refuse:
             self._refuse(dict(zip(keys, jobs, strict=True)))
-        known = {key: found for key in keys if (found := self.ledger.evaluation(key))}
+        kept = {key: one for key in keys if (one := self.ledger.evaluation(key))}
+        # A fault of ours, or of the machine, may be gone by now.
+        known = {key: one for key, one in kept.items() if self._stands(one)}
         # Trials of equal content are told as one, in the place that comes first.
         asked: dict[str, tuple[Job, Place]] = {}
         for key, job, trial in zip(keys, jobs, trials, strict=True):
@@ -204,6 +208,8 @@ class Evaluator:
                     self._discard(self._checkpoint(job))
                     self._left.pop(self._name(job), None)
                 done[evaluation.key] = evaluation
+                if evaluation.status is Status.FAILED:
+                    self._failed.add(evaluation.key)
                 self.observe(Finished(evaluation, place, known=False))
         return done
 
@@ -229,6 +235,10 @@ class Evaluator:
                 if isinstance(outcome, Done) and outcome.left is not None:
                     self._left[self._name(jobs[keys[index]])] = outcome.left
                 yield _answer(keys[index], jobs[keys[index]], outcome)
+
+    def _stands(self, evaluation: Evaluation) -> bool:
+        """Return whether an evaluation need not be done again: a fault of ours is, once a run."""
+        return evaluation.status is not Status.FAILED or evaluation.key in self._failed
 
     def _keep_policy(self, evaluation: Evaluation, policy: bytes) -> Evaluation:
         """Write the policy into the run's folder, whole or not at all; return where it is."""

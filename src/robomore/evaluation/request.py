@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from itertools import islice
+from statistics import fmean
 
 import msgspec
 
@@ -88,10 +90,27 @@ def checked_answer(reply: bytes, key: str, job: Job) -> Answer:
     if evaluation.key != key:
         raise ValueError(f"it is for another job, {evaluation.key!r}")
     check_numbers(evaluation)
+    _refuse_contradictions(evaluation)
     if evaluation.curve is not None:
         check_curve(evaluation.curve)
     policy = answer.policy if evaluation.ok else b""
     return Answer(replace(evaluation, job=job, artifact=""), policy)
+
+
+def _refuse_contradictions(evaluation: Evaluation) -> None:
+    """Refuse numbers that do not follow from each other.
+
+    Raises:
+        ValueError: naming them.
+    """
+    fitness, volume, efficiency = evaluation.fitness, evaluation.volume, evaluation.efficiency
+    if not evaluation.ok or fitness is None or not volume or efficiency is None:
+        return
+    if not math.isclose(efficiency, fitness / volume, rel_tol=1e-9, abs_tol=1e-9):
+        raise ValueError(f"its efficiency {efficiency:g} is not {fitness:g} / {volume:g}")
+    episodes = evaluation.episode_fitness
+    if episodes and not math.isclose(fitness, fmean(episodes), rel_tol=1e-9, abs_tol=1e-9):
+        raise ValueError(f"its fitness {fitness:g} is not the mean of its episodes")
 
 
 def checked_training(reply: bytes) -> Training:

@@ -24,6 +24,8 @@ from robomore.text import to_json
 
 _THREAD_PINS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _LOG_TAIL = 2000
+_SLICE_SECONDS = 1.0
+"""Of a worker's time limit that are counted at once."""
 
 
 class WorkerProcess:
@@ -58,8 +60,7 @@ class WorkerProcess:
             reason = f"the worker process could not be used ({error})"
             return Failed(reason, unstarted=True)
         assert process.stdin is not None and process.stdout is not None
-        deadline = threading.Timer(timeout, self._kill)
-        began = time.monotonic()
+        deadline = _Deadline(timeout, self._kill)
         deadline.start()
         try:
             process.stdin.write(to_json(Call(function, payload)) + b"\n")
@@ -79,7 +80,7 @@ class WorkerProcess:
         finally:
             deadline.cancel()
         code = process.wait()
-        if time.monotonic() - began >= timeout:
+        if deadline.passed:
             return Failed(f"not finished after {timeout:.0f} s", timed_out=True)
         tail = self.printed()
         said = f"; its last output: {tail}" if tail else ""
@@ -127,6 +128,33 @@ class WorkerProcess:
             except ProcessLookupError:
                 return
             process.wait()
+
+
+class _Deadline(threading.Thread):
+    """Calls `end` after so many seconds in which this process was running.
+
+    Time in which it was stopped, or the machine slept, is charged one slice at most: the worker's
+    answer may be waiting.
+    """
+
+    def __init__(self, seconds: float, end: Callable[[], None]) -> None:
+        super().__init__(daemon=True)
+        self._left, self._end = seconds, end
+        self._over = threading.Event()
+        self.passed = False
+
+    def run(self) -> None:
+        while self._left > 0:
+            began, slice_ = time.monotonic(), min(_SLICE_SECONDS, self._left)
+            if self._over.wait(slice_):
+                return
+            self._left -= min(time.monotonic() - began, slice_)
+        self.passed = True
+        self._end()
+
+    def cancel(self) -> None:
+        """Do nothing any more."""
+        self._over.set()
 
 
 def _how_it_ended(code: int) -> str:

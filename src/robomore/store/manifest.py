@@ -32,14 +32,14 @@ _DIGEST = "digest"
 
 def package_versions(*more: str) -> dict[str, str]:
     """Return the versions that can change an evaluation's numbers, those of `more` packages too."""
-    # Of the code that runs: what was installed once in place may say an older one.
-    python = ".".join(platform.python_version_tuple()[:2])
-    versions = {"python": python, "robomore": VERSION}
+    versions = {"python": ".".join(platform.python_version_tuple()[:2])}
     for package in ("mujoco", "gymnasium", "jax", "jaxlib", "numpy", *more):
         try:
             versions[package] = version(package)
         except PackageNotFoundError:
             versions[package] = "absent"
+    # Of the code that runs: what was installed once in place may say an older one.
+    versions["robomore"] = VERSION
     return versions
 
 
