@@ -32,6 +32,13 @@ def test_a_link_in_a_folder_is_not_followed(tmp_path: Path) -> None:
         packed(tmp_path / "from")
 
 
+def test_a_name_that_is_no_text_costs_a_checkpoint_and_no_machine(tmp_path: Path) -> None:
+    (tmp_path / "checkpoint-1.json").write_text("{}")
+    assert packed(tmp_path) is not None
+    (Path(os.fsdecode(os.fsencode(tmp_path) + b"/left-\xff"))).write_text("x")
+    assert packed(tmp_path) is None
+
+
 @pytest.mark.parametrize(
     "content",
     [b'[["../up",1]]\nx', b'[["a",5]]\nx', b'[["a",-1]]\n', b"no end of line", b"{}\n"],

@@ -61,13 +61,16 @@ def carried_folder(name: str, above: Path | None = None) -> Path:
 def packed(folder: Path) -> bytes | None:
     """Return the files of `folder` as bytes; `None` if there are none, or too much to carry.
 
+    Untrusted code may have left a name there that no checkpoint has; then nothing is carried.
+
     Raises:
         OSError: something in it cannot be read.
         RunFolderError: something in it is not a plain file.
     """
     files = PlainFolder(folder, follow=False)
     names = files.names()
-    if not names or len(names) > _MOST_FILES:
+    named = all(name.isascii() for name in names)
+    if not names or len(names) > _MOST_FILES or not named:
         return None
     contents, left = [], _MOST_BYTES
     for name in names:
