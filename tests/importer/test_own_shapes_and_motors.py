@@ -136,3 +136,31 @@ def test_two_parameters_for_one_motor_are_refused(tmp_path: Path) -> None:
     edits = (Edit("a", "strength", ("hip",), 1.0), Edit("b", "strength", ("hip", "knee"), 1.0))
     with pytest.raises(InputError, match="two parameters change the strength of `hip`"):
         TemplateWriter(robot, edits)
+
+
+FRAMED = """
+<mujoco>
+  <default><default class="soft"><joint damping="2" armature="0.01"/></default></default>
+  <worldbody>
+    <body name="upper" pos="0 0 1">
+      <frame childclass="soft" pos="0 0 0.1">
+        <joint name="hip" axis="0 1 0" range="-1 1" limited="true"/>
+        <frame><geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/></frame>
+        <body name="lower" pos="0.3 0 0">
+          <joint name="knee" axis="0 1 0" range="-1 1" limited="true"/>
+          <geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.02"/>
+        </body>
+      </frame>
+    </body>
+  </worldbody>
+  <actuator><motor joint="hip" ctrlrange="-1 1"/></actuator>
+</mujoco>
+"""
+
+
+def test_the_class_of_a_frame_stays_with_what_stands_in_it(tmp_path: Path) -> None:
+    (tmp_path / "framed.xml").write_text(FRAMED)
+    robot = read_robot(tmp_path / "framed.xml", "fixed")
+    model = built(robot, Edit("size", "length", ("lower",), 0.2), size=0.2)
+    assert model.dof_damping == pytest.approx([2, 2])
+    assert model.dof_armature == pytest.approx([0.01, 0.01])

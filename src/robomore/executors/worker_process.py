@@ -56,8 +56,8 @@ class WorkerProcess:
         """
         try:
             process = self._started()
-        except OSError as error:
-            reason = f"the worker process could not be used ({error})"
+        except Exception as error:  # noqa: BLE001  # whatever it is, no design is to blame
+            reason = f"the worker process could not be used ({type(error).__name__}: {error})"
             return Failed(reason, unstarted=True)
         assert process.stdin is not None and process.stdout is not None
         deadline = _Deadline(timeout, self._kill)

@@ -138,6 +138,11 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         )
     step = float(rest.opt.timestep)
     frame_skip = max(1, round(1 / (plan.control_hz * step)))
+    if not math.isclose(hz := 1 / (frame_skip * step), plan.control_hz, rel_tol=0.01):
+        notes.append(
+            f"control_hz = {plan.control_hz:g} is no whole number of time steps of {step:g} s: it "
+            f"is {hz:.4g}; change it, or the timestep in the robot's file"
+        )
     options = {
         "frame_skip": frame_skip,
         "home": dict(home),

@@ -342,7 +342,11 @@ def _hoist(element: ET.Element) -> None:
         _hoist(frame)
         at = list(element).index(frame)
         element.remove(frame)
+        inherited = frame.get("childclass")
         for offset, child in enumerate(list(frame)):
+            said = "childclass" if child.tag in ("body", "frame") else "class"
+            if inherited and not child.get(said):
+                child.set(said, inherited)
             element.insert(at + offset, child)
 
 
