@@ -23,6 +23,7 @@ from robomore.importer.edits import Edit, MassMode, MotorGroup
 from robomore.importer.left_out import FLOOR
 from robomore.importer.limbs import ROUND, Link, ends, find_links, geoms_of, rotation
 from robomore.importer.reading import Robot
+from robomore.importer.strength import strengthen
 
 _PLACED = ("pos", "quat", "euler", "axisangle", "xyaxes", "zaxis", "fromto")
 _SIZED = {"geom": (*_PLACED, "size", "mass"), "site": _PLACED, "joint": ("pos", "axis")}
@@ -30,8 +31,6 @@ _SIZED = {"geom": (*_PLACED, "size", "mass"), "site": _PLACED, "joint": ("pos", 
 
 _ROUNDING = 1e-6
 """Lengths in m below which a coordinate is rounding: MuJoCo writes six digits."""
-
-_NO_BIAS = mujoco.mjtBias.mjBIAS_NONE
 
 _HEIGHT = 1.0
 """Height in m at which a robot that moves freely stands in its template."""
@@ -83,7 +82,7 @@ class TemplateWriter:
         self._add_motors(motors)
         for edit in edits:
             if edit.changes == "strength":
-                self._strengthen(edit)
+                strengthen(self.root, edit, self._spec, self._model)
 
     def text(self) -> str:
         """Return the template."""
@@ -298,30 +297,6 @@ class TemplateWriter:
                     ctrlrange=f"{low:.9g} {high:.9g}",
                     forcerange=f"-{torque} {torque}",
                 )
-
-    def _strengthen(self, edit: Edit) -> None:
-        """Scale what limits the motors of joints; each keeps its own share of the parameter."""
-        factor = Amount({(edit.name,): 1 / edit.reference})
-        for motor in self._part("actuator"):
-            if motor.get("joint") not in edit.parts:
-                continue
-            own = self._spec.actuator(motor.get("name", ""))
-            servo = motor.tag == "position" if own is None else own.biastype != _NO_BIAS
-            # A servo's gear is its angle's too.
-            limit = "forcerange" if servo else "gear"
-            if own is None:
-                values = [float(value) for value in motor.get(limit, "").split()]
-            elif servo and not self._model.actuator(own.name).forcelimited[0]:
-                continue
-            else:
-                values = list(own.forcerange if servo else own.gear)
-            motor.set(limit, texts(factor * value for value in values))
-        for joint in self._part("worldbody").iter("joint"):
-            if joint.get("name") in edit.parts:
-                number = self._model.joint(joint.get("name")).id
-                if self._model.jnt_actfrclimited[number]:
-                    limits = self._model.jnt_actfrcrange[number]
-                    joint.set("actuatorfrcrange", texts(factor * float(one) for one in limits))
 
 
 def _frame_of_file(model: mujoco.MjModel, geom: int) -> tuple[Any, Any]:
