@@ -1,4 +1,4 @@
-"""What the prompts hold: everything the paper's prompts hold, and nothing of the reference."""
+"""What first prompts hold: everything the paper's prompts hold, and nothing of the reference."""
 
 from __future__ import annotations
 
