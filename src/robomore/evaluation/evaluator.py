@@ -237,7 +237,7 @@ class Evaluator:
                 yield _answer(keys[index], jobs[keys[index]], outcome)
 
     def _stands(self, evaluation: Evaluation) -> bool:
-        """Return whether an evaluation need not be done again: a fault of ours is, once a run."""
+        """Return whether an evaluation is done; a fault of ours in an earlier process is not."""
         return evaluation.status is not Status.FAILED or evaluation.key in self._failed
 
     def _keep_policy(self, evaluation: Evaluation, policy: bytes) -> Evaluation:
