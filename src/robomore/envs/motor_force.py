@@ -17,13 +17,10 @@ def motor_force(model: mujoco.MjModel, motor: int) -> float:
     of its joint. The control range of a plain motor is a force. Infinity if nothing limits it.
     """
     gear = abs(float(model.actuator_gear[motor, 0]))
-    plain = int(model.actuator_biastype[motor]) == mujoco.mjtBias.mjBIAS_NONE
-    plain &= int(model.actuator_gaintype[motor]) == mujoco.mjtGain.mjGAIN_FIXED
-    plain &= int(model.actuator_dyntype[motor]) != mujoco.mjtDyn.mjDYN_INTEGRATOR
     found = math.inf
     if model.actuator_forcelimited[motor]:
         found = gear * float(np.abs(model.actuator_forcerange[motor]).max())
-    if plain and model.actuator_ctrllimited[motor]:
+    if is_plain(model, motor) and model.actuator_ctrllimited[motor]:
         signal = float(np.abs(model.actuator_ctrlrange[motor]).max())
         found = min(found, gear * signal * abs(float(model.actuator_gainprm[motor, 0])))
     joint = joint_of(model, motor)
@@ -32,15 +29,24 @@ def motor_force(model: mujoco.MjModel, motor: int) -> float:
     return found
 
 
+def is_plain(model: mujoco.MjModel, motor: int) -> bool:
+    """Return whether an actuator is a plain motor, whose force is its control times a number."""
+    plain = int(model.actuator_biastype[motor]) == mujoco.mjtBias.mjBIAS_NONE
+    plain &= int(model.actuator_gaintype[motor]) == mujoco.mjtGain.mjGAIN_FIXED
+    plain &= int(model.actuator_dyntype[motor]) != mujoco.mjtDyn.mjDYN_INTEGRATOR
+    return bool(plain)
+
+
 def joint_force(model: mujoco.MjModel, joint: int) -> float:
     """Return the largest force (N) or torque (N m) that all motors of a joint give it together.
 
     It is 0 without a motor, and infinity if nothing limits it.
     """
-    if model.jnt_actfrclimited[joint]:
-        return float(np.abs(model.jnt_actfrcrange[joint]).max())
     motors = [motor for motor in range(model.nu) if joint_of(model, motor) == joint]
-    return sum((motor_force(model, motor) for motor in motors), 0.0)
+    together = sum((motor_force(model, motor) for motor in motors), 0.0)
+    if model.jnt_actfrclimited[joint]:
+        together = min(together, float(np.abs(model.jnt_actfrcrange[joint]).max()))
+    return together
 
 
 def joint_of(model: mujoco.MjModel, motor: int) -> int | None:
