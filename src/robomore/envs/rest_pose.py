@@ -31,12 +31,12 @@ def rest_pose(model: mujoco.MjModel, home: Mapping[str, float], upright: Sequenc
 
     Args:
         model: of the robot.
-        home: angle (rad) or position (m) by joint; others rest at 0.
+        home: angle (rad) or position (m) by joint; others are as the model has them.
         upright: orientation of a free root, as a quaternion w, x, y, z.
     """
     pose: Array = np.array(model.qpos0)
     for number in range(model.njnt):
-        if value := home.get(model.joint(number).name):
+        if (value := home.get(model.joint(number).name)) is not None:
             pose[model.jnt_qposadr[number]] = value
     if not (model.njnt and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE):
         return pose

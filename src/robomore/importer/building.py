@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import mujoco
 
+from robomore.envs.motor_force import joint_of
 from robomore.envs.rest_pose import rest_pose
 from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, Edit, MassMode, MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.limbs import find_links
+from robomore.importer.loops import refuse_strain
+from robomore.importer.motors import followers
 from robomore.importer.ranges import one_sided, within_ranges
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
 from robomore.importer.template import TemplateWriter
@@ -23,6 +27,9 @@ from robomore.tasks.template import fill
 
 TARGET = "target_place"
 """Name of the site at the place that is to be reached."""
+
+_ROUNDING = 1e-3
+"""Relative difference of a rate that nobody asks about."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +117,9 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
     joints = [
         rest.joint(n).name for n in range(rest.njnt) if int(rest.jnt_type[n]) in SIMPLE_JOINTS
     ]
+    usual = {name: float(rest.qpos0[rest.joint(name).qposadr[0]]) for name in joints}
     home, moved = within_ranges(
-        rest, {name: plan.home.get(name, 0.0) for name in joints}, "the rest pose"
+        rest, {name: plan.home.get(name, usual[name]) for name in joints}, "the rest pose"
     )
     notes += moved + one_sided(rest, rest_pose(rest, home, plan.upright), plan.reach)
     for one, other in _overlaps(rest, home, plan.upright):
@@ -119,6 +127,12 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         notes.append(f"`{one}` and `{other}` overlap at rest: they do not touch each other")
     step = float(rest.opt.timestep)
     frame_skip = max(1, round(1 / (plan.control_hz * step)))
+    if abs((got := 1 / (frame_skip * step)) - plan.control_hz) > _ROUNDING * plan.control_hz:
+        notes.append(
+            f"control_hz = {plan.control_hz:g} is {got:.4g} here: a control step is a whole number "
+            f"of the robot's time steps of {step:g} s"
+        )
+    notes += _followers(rest)
     options = {
         "frame_skip": frame_skip,
         "home": dict(home),
@@ -131,6 +145,9 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         "tip": plan.target[0] if plan.target else "",
     }
     template = writer.text()
+    if rest.neq or rest.ntendon:
+        stands = partial(rest_pose, home=home, upright=plan.upright)
+        refuse_strain(plan.id, template, plan.parameters, robot.assets, stands)
     refuse_files(plan.id, template, robot.assets)
     task = Task(
         id=plan.id,
@@ -146,6 +163,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         assets=robot.assets,
         mesh_volumes=writer.mesh_volumes,
         mass=f"{plan.mass}: {MASS_MODES[plan.mass]}",
+        radii=tuple(edit.name for edit in plan.edits if edit.changes == "radius"),
     )
     refuse_texts(task)
     return task, tuple(notes)
@@ -175,6 +193,17 @@ def _add_target(
         reftype="site" if part in sites else "xbody",
         refname=part,
     )
+
+
+def _followers(model: mujoco.MjModel) -> list[str]:
+    """Return notes on joints that an equality, such as a URDF's `mimic`, makes follow others."""
+    driven = {joint_of(model, motor) for motor in range(model.nu)}
+    notes = []
+    for follower, leader in followers(model).items():
+        moved = "its own motor works against that" if follower in driven else "it has no motor"
+        one, other = model.joint(follower).name, model.joint(leader).name
+        notes.append(f"the joint `{one}` follows `{other}`, and {moved}")
+    return notes
 
 
 def _overlaps(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -14,6 +15,7 @@ from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.limbs import Link, find_links, groups, kind
+from robomore.importer.loops import tied
 from robomore.importer.motors import ProposedMotors, propose_motors
 from robomore.importer.reading import SIMPLE_JOINTS, Robot
 from robomore.importer.rest import Rest, propose_home
@@ -186,11 +188,13 @@ def _parameters(
         name for name, group in limbs[:_MOST_GROUPS] if group[0].length >= _LEAST_SHARE * longest
     ]
     found: dict[str, tuple[bool, list[str]]] = {}
+    kept = tied(model)  # one length alone would open a closed chain
     for name, group in links:
         if group[0].length:
             length = max(link.length for link in group)
             lines = _parameter(f"{name}_length", "length", _names(group), length, "length of")
-            found[f"{name}_length"] = name in usual, lines
+            alone = not any(link.body in kept for link in group)
+            found[f"{name}_length"] = name in usual and alone, lines
         if group[0].radius:
             radius = max(link.radius for link in group)
             lines = _parameter(f"{name}_radius", "radius", _names(group), radius, "radius of")
@@ -202,10 +206,12 @@ def _parameters(
             if strength := strength_of(model, motors, joint_name):
                 strengths.setdefault((kind(joint_name), strength), []).append(joint_name)
     for (name, strength), joints in strengths.items():
+        if f"{name}_strength" in found:  # alike joints of another strength, such as hind legs
+            name = re.sub(r"\W", "_", joints[0].lower())
         lines = _parameter(
             f"{name}_strength", "strength", joints, strength, "largest torque of the motors of"
         )
-        found.setdefault(f"{name}_strength", (False, lines))
+        found[f"{name}_strength"] = False, lines
     return found
 
 
