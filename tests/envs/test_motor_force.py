@@ -23,6 +23,8 @@ SERVO = '<position joint="j" kp="40" ctrlrange="-2.094 2.094" {}/>'
         ('actuatorfrcrange="-6 7"', SERVO.format(""), 7.0, 7.0),
         ('actuatorfrcrange="-6 7"', MOTOR + MOTOR, 7.0, 7.0),
         ("", MOTOR + MOTOR, 100.0, 200.0),
+        ('actuatorfrcrange="-120 120"', MOTOR, 100.0, 100.0),
+        ('actuatorfrcrange="-150 150"', MOTOR + MOTOR, 100.0, 150.0),
         ("", SERVO.format(""), math.inf, math.inf),
         ("", '<motor joint="j" gear="50"/>', math.inf, math.inf),
     ],

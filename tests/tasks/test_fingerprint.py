@@ -133,6 +133,7 @@ def test_the_same_text_elsewhere_is_the_same_task(tube: Task, tmp_path: Path) ->
         ({"episode_steps": 10}, "episode"),
         ({"version": 99}, "version"),
         ({"environment": "robomore.envs.robots.swimmer:SwimmerEnvironment"}, "environment"),
+        ({"radii": ("torso_radius",)}, "parameters"),
     ],
 )
 def test_other_fields_are_parts_of_their_own(fields: dict[str, object], part: str) -> None:

@@ -17,19 +17,24 @@ def motor_force(model: mujoco.MjModel, motor: int) -> float:
     of its joint. The control range of a plain motor is a force. Infinity if nothing limits it.
     """
     gear = abs(float(model.actuator_gear[motor, 0]))
-    plain = int(model.actuator_biastype[motor]) == mujoco.mjtBias.mjBIAS_NONE
-    plain &= int(model.actuator_gaintype[motor]) == mujoco.mjtGain.mjGAIN_FIXED
-    plain &= int(model.actuator_dyntype[motor]) != mujoco.mjtDyn.mjDYN_INTEGRATOR
     found = math.inf
     if model.actuator_forcelimited[motor]:
         found = gear * float(np.abs(model.actuator_forcerange[motor]).max())
-    if plain and model.actuator_ctrllimited[motor]:
+    if is_plain(model, motor) and model.actuator_ctrllimited[motor]:
         signal = float(np.abs(model.actuator_ctrlrange[motor]).max())
         found = min(found, gear * signal * abs(float(model.actuator_gainprm[motor, 0])))
     joint = joint_of(model, motor)
     if joint is not None and model.jnt_actfrclimited[joint]:
         found = min(found, float(np.abs(model.jnt_actfrcrange[joint]).max()))
     return found
+
+
+def is_plain(model: mujoco.MjModel, motor: int) -> bool:
+    """Return whether an actuator is a plain motor, whose force is its control times a number."""
+    plain = int(model.actuator_biastype[motor]) == mujoco.mjtBias.mjBIAS_NONE
+    plain &= int(model.actuator_gaintype[motor]) == mujoco.mjtGain.mjGAIN_FIXED
+    plain &= int(model.actuator_dyntype[motor]) != mujoco.mjtDyn.mjDYN_INTEGRATOR
+    return bool(plain)
 
 
 def joint_force(model: mujoco.MjModel, joint: int) -> float:

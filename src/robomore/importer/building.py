@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from robomore.envs.motor_force import joint_of
 from robomore.envs.rest_pose import rest_pose
 from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.errors import InputError
@@ -18,6 +20,8 @@ from robomore.importer.feet import contact_names
 from robomore.importer.goal_faults import refuse_goal
 from robomore.importer.left_out import FLOOR
 from robomore.importer.limbs import find_links
+from robomore.importer.loops import refuse_strain
+from robomore.importer.motors import followers
 from robomore.importer.ranges import one_sided, within_ranges
 from robomore.importer.reading import Robot
 from robomore.importer.rest import lies_low
@@ -120,8 +124,9 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
     joints = [
         rest.joint(n).name for n in range(rest.njnt) if int(rest.jnt_type[n]) in SIMPLE_JOINTS
     ]
+    usual = {name: float(rest.qpos0[rest.joint(name).qposadr[0]]) for name in joints}
     home, moved = within_ranges(
-        rest, {name: plan.home.get(name, 0.0) for name in joints}, "the rest pose"
+        rest, {name: plan.home.get(name, usual[name]) for name in joints}, "the rest pose"
     )
     pose = rest_pose(rest, home, plan.upright)
     notes += moved + one_sided(rest, pose, plan.reach)
@@ -143,6 +148,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
             f"control_hz = {plan.control_hz:g} is no whole number of time steps of {step:g} s: it "
             f"is {hz:.4g}; change it, or the timestep in the robot's file"
         )
+    notes += _followers(rest)
     options = {
         "frame_skip": frame_skip,
         "home": dict(home),
@@ -155,6 +161,9 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         "tip": plan.target[0] if plan.target else "",
     }
     template = writer.text()
+    if rest.neq or rest.ntendon:
+        stands = partial(rest_pose, home=home, upright=plan.upright)
+        refuse_strain(plan.id, template, plan.parameters, robot.assets, stands)
     refuse_files(plan.id, template, robot.assets)
     task = Task(
         id=plan.id,
@@ -170,6 +179,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
         assets=robot.assets,
         mesh_volumes=writer.mesh_volumes,
         mass=f"{plan.mass}: {MASS_MODES[plan.mass]}",
+        radii=tuple(edit.name for edit in plan.edits if edit.changes == "radius"),
     )
     refuse_texts(task)
     return task, tuple(notes)
@@ -199,6 +209,17 @@ def _add_target(
         reftype="site" if part in sites else "xbody",
         refname=part,
     )
+
+
+def _followers(model: mujoco.MjModel) -> list[str]:
+    """Return notes on joints that an equality, such as a URDF's `mimic`, makes follow others."""
+    driven = {joint_of(model, motor) for motor in range(model.nu)}
+    notes = []
+    for follower, leader in followers(model).items():
+        moved = "its own motor works against that" if follower in driven else "it has no motor"
+        one, other = model.joint(follower).name, model.joint(leader).name
+        notes.append(f"the joint `{one}` follows `{other}`, and {moved}")
+    return notes
 
 
 def _refuse_low_root(plan: Plan, model: mujoco.MjModel, pose: NDArray[np.float64]) -> None:

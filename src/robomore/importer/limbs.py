@@ -29,6 +29,9 @@ _STRAIGHT = 0.9
 ROUND = (int(mujoco.mjtGeom.mjGEOM_CAPSULE), int(mujoco.mjtGeom.mjGEOM_CYLINDER))
 """Geoms with two ends."""
 
+_TURNING = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_BALL))
+"""Types of joints that have an anchor."""
+
 
 @dataclass(frozen=True, slots=True)
 class Link:
@@ -38,6 +41,7 @@ class Link:
         name: of the body.
         body: its number in the model.
         depth: joints' bodies between the root and here; the root has 0.
+        begin: where it hangs, in m: the anchor of its joint.
         axis: unit vector from where the link begins to where it ends.
         length: distance between these two points, in m; 0 if it is no limb.
         radius: half of its thickness across `axis`, in m; 0 if nothing in it has one.
@@ -48,11 +52,17 @@ class Link:
     name: str
     body: int
     depth: int
+    begin: tuple[float, float, float]
     axis: tuple[float, float, float]
     length: float
     radius: float
     mass: float
     leaf: bool
+
+    @property
+    def end(self) -> Array:
+        """Where the next link hangs, or where the limb ends, (3,) in m."""
+        return np.array(self.begin) + np.array(self.axis) * self.length
 
 
 def find_links(model: mujoco.MjModel) -> dict[str, Link]:
@@ -103,6 +113,15 @@ def kind(name: str) -> str:
     return "_".join(kept) or "_".join(words) or "part"
 
 
+def anchor(model: mujoco.MjModel, body: int) -> Array:
+    """Return the point (3,) of a body around which its first hinge turns it, in m in its frame."""
+    first = int(model.body_jntadr[body])
+    for joint in range(first, first + int(model.body_jntnum[body])):
+        if int(model.jnt_type[joint]) in _TURNING:
+            return np.array(model.jnt_pos[joint])
+    return np.zeros(3)
+
+
 def ends(model: mujoco.MjModel, geom: int) -> Array:
     """Return both ends (2, 3) of a capsule or cylinder in its body's frame, in m."""
     along = rotation(model.geom_quat[geom])[:, 2] * model.geom_size[geom, 1]
@@ -128,13 +147,16 @@ def _link(model: mujoco.MjModel, body: int) -> Link:
     while model.body_parentid[above]:
         above = int(model.body_parentid[above])
         depth += 1
-    end = np.zeros(3)
+    begin = end = anchor(model, body)
     if children:
         # The child that carries most continues the limb.
-        end = model.body_pos[max(children, key=lambda b: float(model.body_subtreemass[b]))]
+        next_one = max(children, key=lambda b: float(model.body_subtreemass[b]))
+        turned = rotation(model.body_quat[next_one])
+        end = model.body_pos[next_one] + turned @ anchor(model, next_one)
     else:
         points = [point for geom in geoms_of(model, body) for point in _far_points(model, geom)]
-        end = max(points, key=lambda p: float(np.linalg.norm(p)), default=end)
+        end = max(points, key=lambda p: float(np.linalg.norm(p - begin)), default=end)
+    end = end - begin
     largest = int(np.argmax(np.abs(end)))
     if abs(end[largest]) > _STRAIGHT * np.linalg.norm(end):
         # What stands aside is an offset of the joint, which a longer link keeps.
@@ -145,6 +167,7 @@ def _link(model: mujoco.MjModel, body: int) -> Link:
         name=model.body(body).name,
         body=body,
         depth=depth,
+        begin=tuple(begin.tolist()),
         axis=tuple(axis.tolist()),
         length=length if length > _SHORTEST else 0.0,
         radius=_radius(model, body, axis),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robomore.envs.root import SIMPLE_JOINTS, find_root
 from robomore.importer.edits import MotorGroup
 from robomore.importer.feet import contact_names
-from robomore.importer.limbs import kind
+from robomore.importer.limbs import anchor, kind
 
 _STRENGTH = 2.5
 """A motor is so many times as strong as what holds its limb up, or its part of the robot."""
@@ -49,8 +49,9 @@ class ProposedMotors:
 def propose_motors(model: mujoco.MjModel) -> tuple[ProposedMotors, ...]:
     """Return motors for all joints, alike joints together: servos, and torques for wheels.
 
-    A limit that the file states for a joint (`actuatorfrcrange`, a URDF's `effort`) is kept. Others
-    are so strong that a leg carries its share of the robot's weight, and any limb its own.
+    Joints that follow others get none, since theirs would work against those. A limit that the file
+    states for a joint (`actuatorfrcrange`, a URDF's `effort`) is kept. Others are so strong that a
+    leg carries its share of the robot's weight, and any limb its own.
     """
     if model.nu:
         return ()
@@ -58,11 +59,11 @@ def propose_motors(model: mujoco.MjModel) -> tuple[ProposedMotors, ...]:
     mujoco.mj_forward(model, data)
     feet = [model.body(name).id for name in contact_names(model).values()]
     carriers = _carriers(model, data, feet)
-    root = find_root(model)
+    idle = {*find_root(model).joints, *followers(model)}
     found: dict[tuple[str, str, float], list[str]] = {}
     reasons: dict[tuple[str, str, float], str] = {}
     for joint in range(model.njnt):
-        if int(model.jnt_type[joint]) in SIMPLE_JOINTS and joint not in root.joints:
+        if int(model.jnt_type[joint]) in SIMPLE_JOINTS and joint not in idle:
             name = model.joint(joint).name
             which = "servo" if model.jnt_limited[joint] else "motor"
             exact, reason = _torque(model, data, carriers, joint)
@@ -73,6 +74,14 @@ def propose_motors(model: mujoco.MjModel) -> tuple[ProposedMotors, ...]:
         ProposedMotors(_group(joints, which, torque), reasons[name, which, torque])
         for (name, which, torque), joints in found.items()
     )
+
+
+def followers(model: mujoco.MjModel) -> dict[int, int]:
+    """Return the joints that an equality (a URDF's `mimic`) makes follow another one: number by
+    number."""
+    joints = (model.eq_type == mujoco.mjtEq.mjEQ_JOINT) & (model.eq_obj2id >= 0)
+    equalities = [int(number) for number in np.flatnonzero(joints & (model.eq_active0 != 0))]
+    return {int(model.eq_obj1id[one]): int(model.eq_obj2id[one]) for one in equalities}
 
 
 def _group(joints: Sequence[str], which: str, torque: float) -> MotorGroup:
@@ -133,15 +142,20 @@ def _ends(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> NDArray[np.f
 def _leg_length(model: mujoco.MjModel, data: mujoco.MjData, end: int) -> float:
     """Return the length in m of the way along a leg, from its first joint to its end."""
     geoms = np.flatnonzero(model.geom_bodyid == end)
+
+    def hangs(body: int) -> NDArray[np.float64]:
+        turned = data.xmat[body].reshape(3, 3)
+        return np.asarray(data.xpos[body] + turned @ anchor(model, body))
+
     length = max(
-        float(np.linalg.norm(point - data.xpos[end]))
+        float(np.linalg.norm(point - hangs(end)))
         for geom in geoms
         for point in _ends(model, data, int(geom))
     )
     body = end
     while int(model.body_parentid[body]) > 1:
         parent = int(model.body_parentid[body])
-        length += float(np.linalg.norm(data.xpos[body] - data.xpos[parent]))
+        length += float(np.linalg.norm(hangs(body) - hangs(parent)))
         body = parent
     return length
 

@@ -18,6 +18,7 @@ from robomore.errors import InputError
 from robomore.importer.edits import MASS_MODES, MotorGroup
 from robomore.importer.feet import contact_names
 from robomore.importer.limbs import Link, find_links, groups, kind
+from robomore.importer.loops import tied
 from robomore.importer.motors import ProposedMotors, propose_motors
 from robomore.importer.reading import Robot
 from robomore.importer.rest import Rest, lies_low, propose_home
@@ -203,11 +204,13 @@ def _parameters(
         name for name, group in limbs[:_MOST_GROUPS] if group[0].length >= _LEAST_SHARE * longest
     ]
     found: dict[str, tuple[bool, list[str]]] = {}
+    kept = tied(model)  # one length alone would open a closed chain
     for name, group in links:
         if group[0].length:
             length = max(link.length for link in group)
             lines = _parameter(f"{name}_length", "length", _names(group), length, "length of")
-            found[f"{name}_length"] = name in usual, lines
+            alone = not any(link.body in kept for link in group)
+            found[f"{name}_length"] = name in usual and alone, lines
         if group[0].radius:
             radius = max(link.radius for link in group)
             lines = _parameter(f"{name}_radius", "radius", _names(group), radius, "radius of")

@@ -48,13 +48,15 @@ def home_notes(robot: Robot) -> list[str]:
 
 
 def propose_home(robot: Robot, model: mujoco.MjModel) -> dict[str, Rest]:
-    """Return where the joints rest that do not rest at 0.
+    """Return where the joints rest that do not rest at 0, or at their `ref`.
 
-    A joint whose range leaves out 0, such as a dog's knee, rests in the middle of its range. The
+    A joint whose range leaves that out, such as a dog's knee, rests in the middle of its range. The
     hinge above it then turns so that the end of the limb comes to lie straight below that hinge.
     """
     if robot.home:
-        return {name: Rest(value) for name, value in robot.home.items() if value}
+        address = {name: int(model.joint(name).qposadr[0]) for name in robot.home}
+        given = robot.home.items()
+        return {name: Rest(at) for name, at in given if at != model.qpos0[address[name]]}
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
     home: dict[str, Rest] = {}
@@ -62,8 +64,9 @@ def propose_home(robot: Robot, model: mujoco.MjModel) -> dict[str, Rest]:
     for joint in range(model.njnt):
         low, high = (float(limit) for limit in model.jnt_range[joint])
         limited = int(model.jnt_type[joint]) in SIMPLE_JOINTS and model.jnt_limited[joint]
-        if limited and not low <= 0.0 <= high:
-            reason = f"the middle of its range {low:.4g} to {high:.4g}, which leaves out 0"
+        usual = float(model.qpos0[model.jnt_qposadr[joint]])
+        if limited and not low <= usual <= high:
+            reason = f"the middle of its range {low:.4g} to {high:.4g}, which leaves out {usual:g}"
             home[model.joint(joint).name] = Rest(_rounded((low + high) / 2, low, high), reason)
             data.qpos[model.jnt_qposadr[joint]] = (low + high) / 2
             bent.append(joint)
@@ -134,5 +137,4 @@ def _end_of_limb(model: mujoco.MjModel, body: int) -> tuple[int, NDArray[np.floa
     links = {link.body: link for link in find_links(model).values()}
     while not links[body].leaf:
         body = next(b for b in links if model.body_parentid[b] == body)
-    link = links[body]
-    return body, np.array(link.axis) * link.length
+    return body, links[body].end

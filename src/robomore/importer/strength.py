@@ -1,16 +1,16 @@
-"""How strong the motors of a robot are, and how a free parameter changes that."""
+"""How strong the motors of a robot are, and how a parameter makes them stronger."""
 
 from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import mujoco
 
-from robomore.envs.motor_force import joint_of, motor_force
+from robomore.envs.motor_force import is_plain, joint_of, motor_force
 from robomore.importer.amounts import Amount, texts
-from robomore.importer.edits import Edit, MotorGroup
+from robomore.importer.edits import MotorGroup
 
 
 def strength_of(model: mujoco.MjModel, motors: Sequence[MotorGroup], joint: str) -> float:
@@ -21,42 +21,41 @@ def strength_of(model: mujoco.MjModel, motors: Sequence[MotorGroup], joint: str)
         motors: that are added.
         joint: its name.
     """
-    for group in motors:
-        if joint in group.joints:
-            return group.torque
     number = model.joint(joint).id
-    own = [motor_force(model, n) for n in range(model.nu) if joint_of(model, n) == number]
-    return max((force for force in own if math.isfinite(force)), default=0.0)
+    found = sum(group.torque for group in motors if joint in group.joints)
+    found += sum(_force(model, m) for m in range(model.nu) if joint_of(model, m) == number)
+    if model.jnt_actfrclimited[number]:
+        found = min(found, float(abs(model.jnt_actfrcrange[number]).max()))
+    return found if math.isfinite(found) else 0.0
 
 
-def strengthen(root: ET.Element, edit: Edit, spec: mujoco.MjSpec, model: mujoco.MjModel) -> None:
-    """Write what limits the motors of joints as an amount of a parameter; each keeps its share.
+def strengthen(section: ET.Element, model: mujoco.MjModel, factors: Mapping[str, Amount]) -> None:
+    """Multiply what limits the force of a robot's own motors.
+
+    A motor's gear grows, and the limit of a servo, whose gear would change where it goes.
 
     Args:
-        root: of a template with all its motors.
-        edit: whose parameter it is.
-        spec: of the robot, without motors that are added.
-        model: the same compiled.
+        section: the `<actuator>` of the template.
+        model: of the robot as it was read.
+        factors: by the name of the joint that a motor drives.
     """
-    factor = Amount({(edit.name,): 1 / edit.reference})
-    for motor in root.findall("actuator/*"):
-        if motor.get("joint") not in edit.parts:
+    for element in section:
+        motor = model.actuator(element.get("name")).id
+        joint = joint_of(model, motor)
+        factor = None if joint is None else factors.get(model.joint(joint).name)
+        if factor is None:
             continue
-        own = spec.actuator(motor.get("name", ""))
-        added = own is None
-        servo = motor.tag == "position" if added else own.biastype != mujoco.mjtBias.mjBIAS_NONE
-        # A servo's gear is its angle's too.
-        limit = "forcerange" if servo else "gear"
-        if added:
-            values = [float(value) for value in motor.get(limit, "").split()]
-        elif servo and not model.actuator(own.name).forcelimited[0]:
-            continue
-        else:
-            values = list(own.forcerange if servo else own.gear)
-        motor.set(limit, texts(factor * value for value in values))
-    for joint in root.findall("worldbody//joint"):
-        if joint.get("name") in edit.parts:
-            number = model.joint(joint.get("name")).id
-            if model.jnt_actfrclimited[number]:
-                limits = model.jnt_actfrcrange[number]
-                joint.set("actuatorfrcrange", texts(factor * float(one) for one in limits))
+        if is_plain(model, motor):
+            element.set("gear", texts([factor * float(model.actuator_gear[motor, 0])]))
+        elif model.actuator_forcelimited[motor]:
+            limits = model.actuator_forcerange[motor]
+            element.set("forcerange", texts(factor * float(limit) for limit in limits))
+
+
+def _force(model: mujoco.MjModel, motor: int) -> float:
+    force = motor_force(model, motor)
+    if is_plain(model, motor) and not model.actuator_ctrllimited[motor]:
+        # It takes controls from -1 to 1.
+        gain = float(model.actuator_gear[motor, 0] * model.actuator_gainprm[motor, 0])
+        force = min(force, abs(gain))
+    return force

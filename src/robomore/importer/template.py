@@ -20,8 +20,10 @@ from robomore.envs.compile import geom_volume
 from robomore.errors import InputError
 from robomore.importer.amounts import Amount, texts
 from robomore.importer.edits import Edit, MassMode, MotorGroup
+from robomore.importer.frames import hoist
 from robomore.importer.left_out import FLOOR
 from robomore.importer.limbs import ROUND, Link, ends, find_links, geoms_of, rotation
+from robomore.importer.loops import free_springs, move_anchors
 from robomore.importer.reading import Robot
 from robomore.importer.strength import strengthen
 
@@ -62,27 +64,31 @@ class TemplateWriter:
             motors: that are added.
             mass: how mass follows from size.
             payload: fraction of a link's mass that stays as it is in the mode `shell`.
+
+        Raises:
+            InputError: two edits change the same of one part.
         """
         self._spec = robot.spec()
         self._model = self._spec.compile()
         self._links = find_links(self._model)
         self._mass, self._payload = mass, payload
-        self._changed: set[tuple[str, str]] = set()
         self._stretch: dict[str, Amount] = {}
         self._thicken: dict[str, Amount] = {}
+        self._strength: dict[str, Amount] = {}
         self.mesh_volumes: dict[str, float] = {}
         self.root = ET.fromstring(robot.xml)
         self._mend_classes()
         for edit in edits:
             self._note(edit)
         world = self._part("worldbody")
+        hoist(world)
         for body in world.findall("body"):
             self._write_body(body)
+        move_anchors(self.root, self._model, lambda n, at: self._moved(self._links.get(n), at))
+        free_springs(self.root, self._model)
         self._add_floor(world)
+        strengthen(self._part("actuator"), self._model, self._strength)
         self._add_motors(motors)
-        for edit in edits:
-            if edit.changes == "strength":
-                strengthen(self.root, edit, self._spec, self._model)
 
     def text(self) -> str:
         """Return the template."""
@@ -112,26 +118,28 @@ class TemplateWriter:
                         part.attrib.pop(name, None)
 
     def _note(self, edit: Edit) -> None:
+        changed = {"length": self._stretch, "radius": self._thicken, "strength": self._strength}
+        kept = changed[edit.changes]
         for name in edit.parts:
-            if (edit.changes, name) in self._changed:
-                raise InputError(f"two parameters change the {edit.changes} of `{name}`")
-            self._changed.add((edit.changes, name))
-            if edit.changes == "strength":
-                continue
-            link = self._links[name]
-            kept = self._stretch if edit.changes == "length" else self._thicken
-            if not (link.length if edit.changes == "length" else link.radius):
+            if name in kept:
+                raise InputError(
+                    f"two parameters change the {edit.changes} of `{name}`; name it in one of them"
+                )
+            if edit.changes != "strength" and not getattr(self._links[name], edit.changes):
                 raise InputError(f"`{name}` has no {edit.changes} that {edit.name} could change")
             kept[name] = Amount({(edit.name,): 1 / edit.reference})
 
     def _write_body(self, element: ET.Element) -> None:
-        _hoist(element)
+        hoist(element)
         children = element.findall("body")
         name = element.get("name", "")
         link, model = self._links[name], self._model
         above = int(model.body_parentid[link.body])
         parent = self._links.get(model.body(above).name)
-        at = self._moved(parent, model.body_pos[link.body])
+        # What follows the link above is the point at which this one hangs on it.
+        hangs = rotation(model.body_quat[link.body]) @ np.array(link.begin)
+        moved = self._moved(parent, model.body_pos[link.body] + hangs)
+        at = [to - float(away) for to, away in zip(moved, hangs, strict=True)]
         if int(model.body_dofnum[link.body]) == 6:
             # The height at which a file places a robot tells how long its legs are.
             at = [0.0, 0.0, _HEIGHT]
@@ -142,6 +150,10 @@ class TemplateWriter:
                 if int(joint.type[0]) != int(mujoco.mjtJoint.mjJNT_FREE):
                     child.set("pos", texts(self._moved(link, joint.pos), _ROUNDING))
                     child.set("axis", texts(joint.axis))
+                factor = self._strength.get(joint.name)
+                if factor is not None and model.jnt_actfrclimited[joint.id]:
+                    limits = model.jnt_actfrcrange[joint.id]
+                    child.set("actuatorfrcrange", texts(factor * float(one) for one in limits))
             elif child.tag == "site":
                 site = model.site(child.get("name"))
                 child.set("size", texts(site.size))
@@ -150,13 +162,9 @@ class TemplateWriter:
                 self._write_geom(child, link)
             elif child.tag == "inertial":
                 element.remove(child)
-        if self._mass == "density" and model.body_geomnum[link.body]:
-            return self._write_children(children)
-        if link.mass > 0:
+        follows = self._mass == "density" and model.body_geomnum[link.body]
+        if link.mass > 0 and not follows:
             self._write_inertia(element, link)
-        self._write_children(children)
-
-    def _write_children(self, children: Sequence[ET.Element]) -> None:
         for child in children:
             self._write_body(child)
 
@@ -166,7 +174,7 @@ class TemplateWriter:
         if link is None or stretch is None:
             return [float(value) for value in point]
         axis = np.array(link.axis)
-        along = float(np.dot(point, axis))
+        along = float(np.dot(point - np.array(link.begin), axis))
         beside = np.asarray(point) - along * axis
         return [float(b) + stretch * (along * float(a)) for b, a in zip(beside, axis, strict=True)]
 
@@ -176,10 +184,9 @@ class TemplateWriter:
         kind, size = int(model.geom_type[number]), model.geom_size[number]
         place, quat = model.geom_pos[number], model.geom_quat[number]
         if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
-            place, quat = _frame_of_file(model, number)
+            place, quat = self._file_frame(number)  # whose axes a mesh is scaled along
         stretch = self._stretch.get(link.name, Amount.of(1.0))
         thicken = self._thicken.get(link.name, Amount.of(1.0))
-        # Sizes and scales are along the geom's own axes.
         cosines = np.abs(rotation(quat).T @ np.array(link.axis))
         along = int(np.argmax(cosines))
         straight = cosines[along] > 0.7
@@ -206,17 +213,28 @@ class TemplateWriter:
         if self._mass == "density":
             element.set("density", f"{self._density(number, link):.9g}")
 
+    def _file_frame(self, geom: int) -> tuple[Any, Any]:
+        """Return where the frame of a mesh's file is in the link, which MuJoCo moves into that of
+        its inertia: position and quaternion."""
+        model, mesh = self._model, int(self._model.geom_dataid[geom])
+        back_pos, back_quat = np.zeros(3), np.zeros(4)
+        mujoco.mju_negPose(back_pos, back_quat, model.mesh_pos[mesh], model.mesh_quat[mesh])
+        place, quat = np.zeros(3), np.zeros(4)
+        mujoco.mju_mulPose(
+            place, quat, model.geom_pos[geom], model.geom_quat[geom], back_pos, back_quat
+        )
+        return place, quat
+
     def _write_mesh(self, element: ET.Element, geom: int, factors: Sequence[Amount]) -> None:
         """Give a geom its own mesh, scaled along the axes of its file."""
-        model = self._model
-        name = model.mesh(int(model.geom_dataid[geom])).name
+        name = self._model.mesh(int(self._model.geom_dataid[geom])).name
         first = next(m for m in self._part("asset").findall("mesh") if _mesh_name(m) == name)
         own = f"{element.get('name')}_mesh"
         copy = ET.SubElement(self._part("asset"), "mesh", {**first.attrib, "name": own})
         scale = [float(value) for value in first.get("scale", "1 1 1").split()]
         copy.set("scale", texts([f * s for f, s in zip(factors, scale, strict=True)]))
         element.set("mesh", own)
-        self.mesh_volumes[own] = geom_volume(model, geom) / abs(float(np.prod(scale)))
+        self.mesh_volumes[own] = geom_volume(self._model, geom) / abs(float(np.prod(scale)))
 
     def _density(self, geom: int, link: Link) -> float:
         """Return a geom's density in kg/m³: its own, or what a link's stated mass implies."""
@@ -278,12 +296,12 @@ class TemplateWriter:
     def _add_motors(self, motors: Sequence[MotorGroup]) -> None:
         joints = {one.get("name"): one for one in self._part("worldbody").iter("joint")}
         for group in motors:
-            torque = f"{group.torque:.9g}"
             for name in group.joints:
+                torque = self._strength.get(name, Amount.of(1.0)) * group.torque
                 if group.armature:
                     joints[name].set("armature", f"{group.armature:.9g}")
                 if group.kind == "motor":
-                    ranges = {"gear": torque, "ctrlrange": "-1 1"}
+                    ranges = {"gear": texts([torque]), "ctrlrange": "-1 1"}
                     self.add("actuator", "motor", name=name, joint=name, **ranges)
                     continue
                 low, high = self._model.joint(name).range
@@ -295,34 +313,8 @@ class TemplateWriter:
                     kp=f"{group.stiffness:.9g}",
                     kv=f"{group.damping:.9g}",
                     ctrlrange=f"{low:.9g} {high:.9g}",
-                    forcerange=f"-{torque} {torque}",
+                    forcerange=texts([-torque, torque]),
                 )
-
-
-def _frame_of_file(model: mujoco.MjModel, geom: int) -> tuple[Any, Any]:
-    """Return where the frame of a mesh's file is in the link, which MuJoCo moves to its inertia."""
-    mesh = int(model.geom_dataid[geom])
-    back_pos, back_quat = np.zeros(3), np.zeros(4)
-    mujoco.mju_negPose(back_pos, back_quat, model.mesh_pos[mesh], model.mesh_quat[mesh])
-    place, quat = np.zeros(3), np.zeros(4)
-    mujoco.mju_mulPose(
-        place, quat, model.geom_pos[geom], model.geom_quat[geom], back_pos, back_quat
-    )
-    return place, quat
-
-
-def _hoist(element: ET.Element) -> None:
-    """Move what stands in frames into the body itself; compiled places hold without them."""
-    for frame in element.findall("frame"):
-        _hoist(frame)
-        at = list(element).index(frame)
-        element.remove(frame)
-        inherited = frame.get("childclass")
-        for offset, child in enumerate(list(frame)):
-            said = "childclass" if child.tag in ("body", "frame") else "class"
-            if inherited and not child.get(said):
-                child.set(said, inherited)
-            element.insert(at + offset, child)
 
 
 def _place(element: ET.Element, pos: Sequence[Amount | float], quat: Any) -> None:

@@ -80,6 +80,8 @@ def _fingerprint(same: _Same) -> dict[str, str]:
     if task.assets or task.mass:
         sums = [[name, hashlib.sha256(data).hexdigest()] for name, data in task.assets.items()]
         parts["assets"] = [sorted(sums), sorted(task.mesh_volumes.items()), task.mass]
+    if task.radii is not None:
+        parts["parameters"].append(sorted(task.radii))
     return {name: content_key(part)[:_HEX_DIGITS] for name, part in parts.items()}
 
 

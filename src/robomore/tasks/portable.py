@@ -119,6 +119,7 @@ class _Content:
     mass: str
     assets: dict[str, bytes] = field(default_factory=dict)
     mesh_volumes: dict[str, float] = field(default_factory=dict)
+    radii: tuple[str, ...] | None = None
 
 
 def task_content(task: Task) -> bytes:

@@ -124,6 +124,8 @@ class Task:
         assets: content of the mesh files that the template names, by name.
         mesh_volumes: enclosed volume of each mesh in m³ at scale 1, by name.
         mass: how the robot's mass follows from its size, in words.
+        radii: names of the parameters that set radii; `None` for those that change a radius among
+            the solids. Only spheres and capsules tell theirs.
     """
 
     id: str
@@ -145,6 +147,7 @@ class Task:
     assets: Mapping[str, bytes] = field(default_factory=dict)
     mesh_volumes: Mapping[str, float] = field(default_factory=dict)
     mass: str = ""
+    radii: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         """Refuse a fitness that is none, and a template with a name that nothing gives a value.

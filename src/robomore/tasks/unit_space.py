@@ -62,7 +62,10 @@ class UnitSpace:
 
     @cached_property
     def radii(self) -> NDArray[np.bool_]:
-        """Which parameters (size,) set a solid's radius, found by a small change of each one."""
+        """Which parameters (size,) set a radius: as the task says, or as a small change of each one
+        shows."""
+        if self.task.radii is not None:
+            return np.array([name in self.task.radii for name in self.task.names])
         # Of a robot with all the parts that it can have.
         centre = np.where(self._whole_number, 1.0, 0.5)
         changed = self.values(np.vstack((centre, centre + 0.01 * np.eye(self.size))))
