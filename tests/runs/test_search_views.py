@@ -9,10 +9,12 @@ from pathlib import Path
 from fake_run import NASTY, SETTINGS, FakeRun, finished_run, foreign_run, random_run
 from robomore.designers.recorded import ATTEMPTS
 from robomore.events import Cut
+from robomore.report.page_data import page_data
 from robomore.runs import load_run
 from robomore.runs.empty import EmptySlot, lines_without
 from robomore.runs.grid import grids
 from robomore.runs.progress import progress
+from robomore.runs.run import Cost
 from robomore.store import Ledger
 from robomore.store.schema import Proposal
 from robomore.types import Design, MethodSettings, Place, Slot, Status
@@ -103,6 +105,21 @@ def test_a_training_that_goes_on_is_paid_once(tmp_path: Path) -> None:
     assert found.search_steps == 1_000
     # What screening looked at is no candidate.
     assert [record.evaluation.key for record in found.searched] == ["whole"]
+
+
+def test_the_time_of_earlier_rungs_is_told(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    place = Place(stage="coarse", index=(0, 0))
+    first = run.add(Design(run.morphology(0.5), run.reward(1.0)), place, 3.0, steps=200)
+    whole = replace(first, key="whole", job=replace(first.job, steps=1_000), seconds=4.0)
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        ledger.add_place(place, whole.key)
+        ledger.add_evaluation(whole)
+    found = load_run(tmp_path)
+    assert found.cost == Cost(evaluations=1, steps=1_000, core_seconds=first.seconds + 4.0)
+    (row,) = found.rows()
+    assert (row["key"], row["core_seconds"]) == ("whole", first.seconds + 4.0)
+    assert page_data(found, (), ())["evaluations"][0]["seconds"] == first.seconds + 4.0
 
 
 def test_what_is_screened_counts_before_anything_is_trained_to_the_end(tmp_path: Path) -> None:

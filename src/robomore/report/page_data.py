@@ -37,6 +37,7 @@ def page_data(run: Run, moving: Collection[str], kept: Collection[str]) -> dict[
         evaluations.append(
             _evaluation(one, run.objective)
             | {
+                "seconds": _short(run.core_seconds[one.key]),
                 "places": [sanitize(run.plan.describe(place)) for place in places[one.key]],
                 "stage": first.stage,
                 "changed": first.changed,
@@ -99,7 +100,6 @@ def _evaluation(one: Evaluation, objective: str) -> dict[str, Any]:
         "energy": _short(one.energy),
         "score": _short(one.score(objective)),
         "steps": one.job.steps,
-        "seconds": _short(one.seconds),
         # JavaScript has no whole numbers as large as a seed may be.
         "seed": str(one.job.seed),
         "ideas": [sanitize(design.morphology.idea), sanitize(design.reward.idea)],

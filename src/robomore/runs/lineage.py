@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -68,3 +69,21 @@ def trained_steps(evaluations: Iterable[Evaluation]) -> int:
         training = same_training(evaluation)
         longest[training] = max(evaluation.job.steps, longest.get(training, 0))
     return sum(longest.values())
+
+
+def spent_seconds(evaluations: Iterable[Evaluation]) -> dict[str, float]:
+    """Return the core-seconds that each evaluation took with the rungs that it went on from.
+
+    Args:
+        evaluations: of one run, those after each rung too.
+
+    Returns:
+        Core-seconds by the evaluation's key.
+    """
+    found: dict[str, float] = {}
+    spent: defaultdict[object, float] = defaultdict(float)
+    for evaluation in sorted(evaluations, key=lambda one: one.job.steps):
+        training = same_training(evaluation)
+        spent[training] += evaluation.seconds
+        found[evaluation.key] = spent[training]
+    return found

@@ -46,6 +46,7 @@ def load_run(folder: str | Path) -> Run:
         raise RunFolderError(f"{path} has no ledger; start its run again with the same command")
     with closing(Ledger(files.ledger, read_only=True)) as ledger:
         placed = ledger.placed()
+        measured = tuple(ledger.evaluations())
         untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
         proposals = tuple(ledger.proposals())
         ends = [event for event in ledger.events() if event.kind == "finished"]
@@ -76,6 +77,7 @@ def load_run(folder: str | Path) -> Run:
         morphology_only=groups.get("morphology_only"),
         reward_only=groups.get("reward_only"),
         records=records,
+        measured=measured,
         untried=untried,
         proposals=proposals,
         empty=empty_slots(proposals, plan),
