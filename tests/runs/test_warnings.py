@@ -72,18 +72,9 @@ def test_the_smoke_preset_is_named(tmp_path: Path) -> None:
 def test_failed_trainings_of_the_final_are_counted(tmp_path: Path) -> None:
     run = FakeRun(tmp_path, settings=replace(SETTINGS, objective="fitness"))
     run.final(run.coarse())
-    with closing(Ledger(run.folder.ledger)) as ledger:
-        one = load_run(tmp_path).champion
-        assert one is not None
-        failed = replace(
-            one.evaluations[0],
-            status=Status.UNSTABLE,
-            fitness=None,
-            volume=None,
-            efficiency=None,
-            episode_fitness=(),
-        )
-        ledger.add_evaluation(failed)
+    one = load_run(tmp_path).champion
+    assert one is not None
+    run.fail(one.evaluations[0])
     assert "1 of 5 final trainings of the champion design failed (unstable)" in said(tmp_path)
 
 

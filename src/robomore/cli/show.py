@@ -132,7 +132,8 @@ def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
     """Return the run with what was asked for in the champion's place.
 
     Raises:
-        InputError: both were asked for, or there is no such evaluation.
+        InputError: both were asked for, or there is no such evaluation, or nothing of the reference
+            design trained.
     """
     from robomore.runs import load_run
 
@@ -200,7 +201,7 @@ def _print_designs(screen: Console, run: Run) -> None:
     table.add_row(f"fitness {unit}".rstrip(), *(_cell(one.fitness) for one in shown))
     table.add_row("volume m³", *(number(one.volume) for one in shown))
     table.add_row("mass / volume kg/m³", *(number(one.body.get("density")) for one in shown))
-    table.add_row("training seeds", *(str(len(one.evaluations)) for one in shown))
+    table.add_row("training seeds", *(str(len(one.trained)) for one in shown))
     for parameter in run.task.parameters:
         values = (number(one.parameters[parameter.name]) for one in shown)
         table.add_row(f"{parameter.name} {parameter.unit}", *values)

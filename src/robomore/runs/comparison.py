@@ -63,7 +63,7 @@ def _row(run: Run) -> Row:
         "ratio": _mean(run.ratio),
         "ratio_low": low,
         "ratio_high": high,
-        "final_seeds": len(champion.evaluations) if champion and run.final else 0,
+        "final_seeds": len(champion.trained) if champion and run.final else 0,
         "fitness": _mean(champion.fitness if champion else None),
         "volume": champion.volume if champion else None,
         "energy": champion.behaviour.get("energy_j") if champion else None,

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from robomore.training.policy import MLPPolicy
 
 FEWEST_FOR_HEADLINE = 3
-"""Training seeds below which no ratio is put into a headline."""
+"""Training seeds that trained, on either side, below which no ratio is put into a headline."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,10 +146,11 @@ class Run:
     @property
     def headline(self) -> Spread | None:
         """The ratio, if something was found, was trained, and has seeds enough for a headline."""
-        manifest = self.manifest
         if not self.final or self.champion_role == "reference" or self.is_smoke:
             return None
-        return self.ratio if manifest.settings.final.seeds >= FEWEST_FOR_HEADLINE else None
+        sides = [one for one in (self.champion, self.reference) if one is not None]
+        fewest = min(len(one.trained) for one in sides)
+        return self.ratio if fewest >= FEWEST_FOR_HEADLINE else None
 
     @cached_property
     def pairs(self) -> Pairs | None:
