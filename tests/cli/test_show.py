@@ -116,9 +116,9 @@ def test_a_reference_that_never_trained_is_told(robomore_: Command, tmp_path: Pa
         said = robomore_(*command, run.path, "--reference")
         assert said.status == 2 and "no training of the reference design succeeded" in said.err
     shown = robomore_("show", run.path)
-    assert [line.split()[-2:] for line in shown.out.splitlines() if "training seeds" in line] == [
-        ["5", "0"]
-    ]
+    assert [
+        line.split()[-2:] for line in shown.out.splitlines() if line.startswith("training seeds")
+    ] == [["5", "0"]]
 
 
 def test_report_writes_where_it_is_told(robomore_: Command, finished: Path, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import msgspec
 
 from robomore.errors import InputError
 from robomore.events import Event, Finished, RunBegan, Spent
+from robomore.identity import training_key
 from robomore.text import to_json
 from robomore.trackers.registry import TRACKERS
 from robomore.trackers.tracker import Tracked, Tracker
@@ -42,6 +43,7 @@ class RunTracking:
         self._trackers: dict[str, Tracker] = {}
         self._began: RunBegan | None = None
         self._seen: set[str] = set()
+        self._longest: dict[str, int] = {}
         self._best: float | None = None
         self._totals = {"cost/steps": 0.0, "cost/core_seconds": 0.0, "cost/failed": 0.0}
 
@@ -81,7 +83,7 @@ class RunTracking:
 
     def _values(self, event: Finished) -> dict[str, float]:
         evaluation, began = event.evaluation, self._began
-        self._totals["cost/steps"] += evaluation.steps
+        self._totals["cost/steps"] += self._new_steps(evaluation)
         self._totals["cost/core_seconds"] += evaluation.seconds
         self._totals["cost/failed"] += not evaluation.ok
         values = dict(self._totals)
@@ -98,6 +100,13 @@ class RunTracking:
         if self._best is not None:
             values[f"search/best_{objective}"] = self._best
         return values
+
+    def _new_steps(self, evaluation: Evaluation) -> int:
+        """Return the control steps beyond what its training had; a failed one counts in full."""
+        training = training_key(evaluation.job, {})
+        before = self._longest.get(training, 0)
+        self._longest[training] = max(before, evaluation.job.steps)
+        return self._longest[training] - before
 
     def _log(self, values: dict[str, float]) -> None:
         for name in list(self._trackers):
