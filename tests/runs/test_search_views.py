@@ -6,9 +6,13 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from fake_run import NASTY, SETTINGS, FakeRun, finished_run, foreign_run, random_run
 from robomore.designers.recorded import ATTEMPTS
+from robomore.errors import RunFolderError
 from robomore.events import Cut
+from robomore.plan import Plan, Stage
 from robomore.report.page_data import page_data
 from robomore.runs import load_run
 from robomore.runs.empty import EmptySlot, lines_without
@@ -39,6 +43,14 @@ def test_grids_are_found_by_their_axes_not_by_their_name(tmp_path: Path) -> None
     random_run(tmp_path / "random")
     assert [grid.stage.name for grid in grids(load_run(tmp_path / "foreign"))] == ["matrix"]
     assert grids(load_run(tmp_path / "random")) == ()
+
+
+def test_a_grid_that_no_page_can_show_is_refused(tmp_path: Path) -> None:
+    stage = Stage(name="matrix", axes=("morphology", "reward"), shape=(1000, 990), evaluations=4)
+    run = FakeRun(tmp_path, plan=Plan((stage,)), preset="custom")
+    run.add(run.reference, Place(stage="matrix", index=(0, 0)), 10.0)
+    with pytest.raises(RunFolderError, match="1000 x 990 pairs"):
+        grids(load_run(tmp_path))
 
 
 def test_cells_say_why_they_were_cut_or_left_out(tmp_path: Path) -> None:
