@@ -42,7 +42,8 @@ def _row(record: Record, seconds: float, task: Task, plan: Plan) -> Row:
     return {
         "place": plan.describe(place),
         "stage": place.stage,
-        "index": ".".join(map(str, place.index)),
+        # No reader takes this for a number, as it would "5.1" and "5.10", or for a date.
+        "index": "|".join(map(str, place.index)),
         "changed": place.changed,
         "repeat": place.repeat,
         "status": str(evaluation.status),
