@@ -58,6 +58,14 @@ def test_few_seeds_and_luck_are_named(tmp_path: Path) -> None:
     assert "partly luck" in found
 
 
+def test_an_improvement_is_no_luck(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path, settings=replace(SETTINGS, objective="fitness"))
+    design = Design(run.morphology(0.5), run.reward(1.0))
+    best = run.add(design, Place(stage="coarse", index=(0, 1)), -100.0)
+    run.final(best, found=(-80.0,) * 5)
+    assert "partly luck" not in said(tmp_path)
+
+
 def test_a_reference_that_gets_nowhere_is_named(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     run.final(run.coarse(), reference=(-1.0, 0.0, -0.5, -0.2, 0.1))

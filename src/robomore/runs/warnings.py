@@ -96,7 +96,7 @@ def _about_training_anew(run: Run) -> list[str]:
     best = best_of((record.evaluation for record in run.searched), run.objective)
     measured = run.found.score(run.objective) if run.found else None
     seen = best.score(run.objective) if best else None
-    if measured is None or not seen or measured.mean >= _WINNERS_CURSE * seen:
+    if measured is None or not seen or seen < 0 or measured.mean >= _WINNERS_CURSE * seen:
         return []
     return [
         f"The search saw {in_unit(seen, run.objective, run.fitness_unit)}, training anew gave "
