@@ -39,9 +39,9 @@ def page_data(run: Run, moving: Collection[str], kept: Collection[str]) -> dict[
             | {
                 "seconds": _short(run.core_seconds[one.key]),
                 "places": [sanitize(run.plan.describe(place)) for place in places[one.key]],
-                "stage": first.stage,
-                "changed": first.changed,
-                "parent": first.parent,
+                "stage": sanitize(first.stage),
+                "changed": sanitize(first.changed),
+                "parent": sanitize(first.parent),
                 "final": run.plan.stage(first.stage).role == "final",
                 "cut": one.key in cut,
                 "replay": one.key in moving,
