@@ -180,6 +180,20 @@ class FakeRun:
             ledger.add_evaluation(evaluation)
         return evaluation
 
+    def fail(self, evaluation: Evaluation) -> None:
+        """Write down that the training of an evaluation failed after all."""
+        failed = replace(
+            evaluation,
+            status=Status.UNSTABLE,
+            diagnosis="it fell apart",
+            fitness=None,
+            volume=None,
+            efficiency=None,
+            episode_fitness=(),
+        )
+        with closing(Ledger(self.folder.ledger)) as ledger:
+            ledger.add_evaluation(failed)
+
     def coarse(self) -> Evaluation:
         """Fill the grid, whose first column is the reference reward; returns its best.
 

@@ -9,6 +9,8 @@ import pytest
 from audit.canned import copy_with_canned_audits
 from cli.commands import Command
 
+GALLERY = Path(__file__).parents[2] / "docs" / "results" / "standard"
+
 
 @pytest.fixture
 def copied(trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -26,6 +28,17 @@ def test_a_gallery_is_made_and_shown(copied: Path, tmp_path: Path, robomore_: Co
     assert one.status == 0
     assert "front_radius m" in one.out and "_get_rew" in one.out and "energy balance" in one.out
     assert robomore_("show", gallery / "run", "--json").json == told
+
+
+def test_what_equal_density_leaves_is_of_the_audit(robomore_: Command) -> None:
+    # The Ant's champion has the human design's density; its best seed does more than its mean.
+    shown = robomore_("show", GALLERY).out.splitlines()
+    (heading, ant, cheetah) = (
+        next(line for line in shown if line.startswith(name))
+        for name in ("champion", "ant-standard", "half-cheetah-standard")
+    )
+    assert "kept at equal density" in heading
+    assert " 100 %" in ant and " 0.708 %" in cheetah
 
 
 def test_what_cannot_be_used_is_refused(copied: Path, tmp_path: Path, robomore_: Command) -> None:

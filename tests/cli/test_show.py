@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from cli.commands import Command
-from fake_run import PROVENANCE, FakeRun, foreign_run, random_run, reference_run
+from fake_run import PROVENANCE, FakeRun, finished_run, foreign_run, random_run, reference_run
 from robomore.runs import load_run
 from robomore.runs.words import with_interval
 from robomore.types import Design, Place, Reward
@@ -106,16 +106,19 @@ def test_the_reference_comes_with_the_final(robomore_: Command, tmp_path: Path) 
     assert said.status == 2 and "has no final yet" in said.err
 
 
-@pytest.mark.parametrize("command", ["show", "report", "export"])
-def test_a_reference_that_never_trained_is_said_to_be_so(
-    command: str, robomore_: Command, tmp_path: Path
-) -> None:
-    run = FakeRun(tmp_path / "run")
-    run.final(run.coarse(), reference=(None,) * 5)
-    out = ("--to", str(tmp_path / "out")) if command == "export" else ()
-    said = robomore_(command, tmp_path / "run", "--reference", *out)
-    assert said.status == 2 and "no training of the reference design" in said.err
-    assert "slow" in said.err
+def test_a_reference_that_never_trained_is_told(robomore_: Command, tmp_path: Path) -> None:
+    run = finished_run(tmp_path / "run")
+    reference = load_run(run.path).reference
+    assert reference is not None
+    for one in reference.evaluations:
+        run.fail(one)
+    for command in (("show",), ("report",), ("export", "--to", tmp_path / "out"), ("play",)):
+        said = robomore_(*command, run.path, "--reference")
+        assert said.status == 2 and "no training of the reference design succeeded" in said.err
+    shown = robomore_("show", run.path)
+    assert [
+        line.split()[-2:] for line in shown.out.splitlines() if line.startswith("training seeds")
+    ] == [["5", "0"]]
 
 
 def test_report_writes_where_it_is_told(robomore_: Command, finished: Path, tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from robomore.envs.robots import environment_class
 from robomore.errors import ExportFailed, InputError
 from robomore.evaluation.measure import measure
 from robomore.export import export_run
-from robomore.export.card import plain
+from robomore.export.card import _numbers, plain
 from robomore.export.environment import environment_package
 from robomore.export.export import _run_alone
 from robomore.export.folder import PARTS, ensure_free, write_all
@@ -111,6 +111,17 @@ def test_the_package_gives_the_reward_that_was_trained_with(
         seen, reward, *_ = theirs.step(action)
         ours, expected, *_ = mine.step(action)
         assert reward == expected
+
+
+def test_the_card_says_whose_numbers_these_are(trained_run: Path) -> None:
+    run = load_run(trained_run)
+    best = run.kept()
+    for chosen, whose in (
+        (run, "the best training seed"),
+        (run.focused(best.key), f"the evaluation `{best.key}`"),
+    ):
+        said = "\n".join(_numbers(chosen, best, best.episode_fitness))
+        assert f"which is that of {whose}:" in said
 
 
 def test_the_folder_holds_what_its_record_says(exported: Path) -> None:

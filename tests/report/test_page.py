@@ -176,10 +176,13 @@ def test_a_curve_comes_out_as_it_went_in(page: str, runs: dict[str, Run]) -> Non
 def test_text_for_the_scripts_is_cleaned_too(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     reward = Reward(run.reward(1.0).source + "    # \u202eneddih\n", "\x1b[31mred")
-    run.add(Design(run.morphology(0.5), reward), Place(stage="coarse", index=(0, 0)), 3.0)
+    place = Place(stage="coarse", index=(0, 0), changed="re\u202eward", parent="\x1b[31mred")
+    run.add(Design(run.morphology(0.5), reward), place, 3.0)
     data = packed(render(load_run(tmp_path)), "page")
     assert "\u202e" not in data["rewards"][0]
-    assert "\x1b" not in data["evaluations"][0]["ideas"][1]
+    one = data["evaluations"][0]
+    assert "\x1b" not in one["ideas"][1] + one["parent"]
+    assert "\u202e" not in one["changed"]
 
 
 def test_what_a_designer_wrote_is_shown_as_text(page: str) -> None:

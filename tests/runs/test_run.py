@@ -69,13 +69,19 @@ def test_a_headline_takes_three_seeds(tmp_path: Path, seeds: int, shown: bool) -
     assert (found.ratio.interval is not None) is (seeds == 5)
 
 
-def test_a_headline_takes_three_seeds_that_trained(tmp_path: Path) -> None:
-    run = FakeRun(tmp_path)
-    all_of_them = (20.0, 21.0, 22.0, 23.0, 24.0)
-    run.final(run.coarse(), (20.0, None, None, None, None), all_of_them, all_of_them, all_of_them)
+@pytest.mark.parametrize("side", ["champion", "reference"])
+@pytest.mark.parametrize(("failed", "shown"), [(2, True), (3, False)])
+def test_seeds_that_failed_carry_no_headline(
+    tmp_path: Path, side: str, failed: int, shown: bool
+) -> None:
+    run = finished_run(tmp_path)
+    for one in getattr(load_run(tmp_path), side).evaluations[:failed]:
+        run.fail(one)
     found = load_run(tmp_path)
-    assert found.champion_role == "found" and found.ratio is not None
-    assert found.headline is None
+    assert found.ratio is not None
+    assert (found.headline is not None) is shown
+    (row,) = compare([found]).rows()
+    assert row["final_seeds"] == (5 - failed if side == "champion" else 5)
 
 
 def test_the_smoke_preset_has_no_headline_with_any_number_of_seeds(tmp_path: Path) -> None:

@@ -6,13 +6,19 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from fake_run import NASTY, SETTINGS, FakeRun, finished_run, foreign_run, random_run
 from robomore.designers.recorded import ATTEMPTS
+from robomore.errors import RunFolderError
 from robomore.events import Cut
+from robomore.plan import Plan, Stage
+from robomore.report.page_data import page_data
 from robomore.runs import load_run
 from robomore.runs.empty import EmptySlot, lines_without
 from robomore.runs.grid import grids
 from robomore.runs.progress import progress
+from robomore.runs.run import Cost
 from robomore.store import Ledger
 from robomore.store.schema import Proposal
 from robomore.types import Design, MethodSettings, Place, Slot, Status
@@ -37,6 +43,14 @@ def test_grids_are_found_by_their_axes_not_by_their_name(tmp_path: Path) -> None
     random_run(tmp_path / "random")
     assert [grid.stage.name for grid in grids(load_run(tmp_path / "foreign"))] == ["matrix"]
     assert grids(load_run(tmp_path / "random")) == ()
+
+
+def test_a_grid_that_no_page_can_show_is_refused(tmp_path: Path) -> None:
+    stage = Stage(name="matrix", axes=("morphology", "reward"), shape=(1000, 990), evaluations=4)
+    run = FakeRun(tmp_path, plan=Plan((stage,)), preset="custom")
+    run.add(run.reference, Place(stage="matrix", index=(0, 0)), 10.0)
+    with pytest.raises(RunFolderError, match="1000 x 990 pairs"):
+        grids(load_run(tmp_path))
 
 
 def test_cells_say_why_they_were_cut_or_left_out(tmp_path: Path) -> None:
@@ -106,6 +120,21 @@ def test_a_training_that_goes_on_is_paid_once(tmp_path: Path) -> None:
     assert [row["core_seconds"] for row in found.rows()] == [5.0, 2.5]
     # What screening looked at is no candidate.
     assert [record.evaluation.key for record in found.searched] == ["whole"]
+
+
+def test_the_time_of_earlier_rungs_is_told(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    place = Place(stage="coarse", index=(0, 0))
+    first = run.add(Design(run.morphology(0.5), run.reward(1.0)), place, 3.0, steps=200)
+    whole = replace(first, key="whole", job=replace(first.job, steps=1_000), seconds=4.0)
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        ledger.add_place(place, whole.key)
+        ledger.add_evaluation(whole)
+    found = load_run(tmp_path)
+    assert found.cost == Cost(evaluations=1, steps=1_000, core_seconds=first.seconds + 4.0)
+    (row,) = found.rows()
+    assert (row["key"], row["core_seconds"]) == ("whole", first.seconds + 4.0)
+    assert page_data(found, (), ())["evaluations"][0]["seconds"] == first.seconds + 4.0
 
 
 def test_what_is_screened_counts_before_anything_is_trained_to_the_end(tmp_path: Path) -> None:

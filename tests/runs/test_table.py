@@ -41,7 +41,7 @@ def test_a_row_is_an_evaluation_in_si_units(rows: list[dict[str, Any]]) -> None:
     assert (first["place"], first["stage"], first["index"]) == (
         "coarse: morphology 1, reward 1",
         "coarse",
-        "0.0",
+        "0|0",
     )
     assert first["fitness"] == 10.0
     assert first["efficiency"] == pytest.approx(first["fitness"] / first["volume"])
@@ -85,6 +85,16 @@ def test_no_spreadsheet_takes_a_text_for_a_formula(tmp_path: Path, text: str) ->
     assert row["morphology_idea"] == f"'{text}"
     # A negative number is a number.
     assert float(row["fitness"]) == -1.0
+
+
+def test_a_reader_merges_no_places(tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    run = FakeRun(tmp_path / "run")
+    for column in (1, 10):
+        design = Design(run.morphology(0.5), run.reward(float(column)))
+        run.add(design, Place(stage="coarse", index=(5, column)), 1.0)
+    write_csv(load_run(run.path).rows(), tmp_path / "run.csv")
+    assert list(pandas.read_csv(tmp_path / "run.csv")["index"]) == ["5|1", "5|10"]
 
 
 def test_a_table_that_cannot_be_written(rows: list[dict[str, Any]], tmp_path: Path) -> None:

@@ -58,11 +58,12 @@ def test_few_seeds_and_luck_are_named(tmp_path: Path) -> None:
     assert "partly luck" in found
 
 
-def test_doing_better_in_the_final_is_no_luck_of_the_search(tmp_path: Path) -> None:
-    run = FakeRun(tmp_path)
-    start = run.add(run.reference, Place(stage="coarse", index=(0, 0)), -10.0)
-    run.final(start, (-8.0,) * 5, (-9.0,) * 5, (-9.0,) * 5, (-9.0,) * 5)
-    assert "luck." not in said(tmp_path)
+def test_an_improvement_is_no_luck(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path, settings=replace(SETTINGS, objective="fitness"))
+    design = Design(run.morphology(0.5), run.reward(1.0))
+    best = run.add(design, Place(stage="coarse", index=(0, 1)), -100.0)
+    run.final(best, found=(-80.0,) * 5)
+    assert "partly luck" not in said(tmp_path)
 
 
 def test_a_reference_that_gets_nowhere_is_named(tmp_path: Path) -> None:
@@ -79,18 +80,9 @@ def test_the_smoke_preset_is_named(tmp_path: Path) -> None:
 def test_failed_trainings_of_the_final_are_counted(tmp_path: Path) -> None:
     run = FakeRun(tmp_path, settings=replace(SETTINGS, objective="fitness"))
     run.final(run.coarse())
-    with closing(Ledger(run.folder.ledger)) as ledger:
-        one = load_run(tmp_path).champion
-        assert one is not None
-        failed = replace(
-            one.evaluations[0],
-            status=Status.UNSTABLE,
-            fitness=None,
-            volume=None,
-            efficiency=None,
-            episode_fitness=(),
-        )
-        ledger.add_evaluation(failed)
+    one = load_run(tmp_path).champion
+    assert one is not None
+    run.fail(one.evaluations[0])
     assert "1 of 5 final trainings of the champion design failed (unstable)" in said(tmp_path)
 
 

@@ -17,9 +17,11 @@ from starlette.applications import Starlette
 from fake_run import NASTY, FakeRun, finished_run
 from robomore.events import RunBegan
 from robomore.monitor.progress import Progress, ProgressFile, Under, read_progress
+from robomore.plan import Plan, Stage
 from robomore.rendering.packing import unpack
 from robomore.serve import application
 from robomore.text import to_json
+from robomore.types import Place
 from serve.asking import ask
 
 
@@ -77,6 +79,53 @@ def test_a_run_that_was_killed_is_not_called_running(tmp_path: Path) -> None:
     shown = page(application(tmp_path), "/run?name=killed")
     assert "stopped" in shown.lower()
     assert "left" not in shown
+
+
+def test_a_time_to_come_is_no_sign_of_life(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path / "ahead")
+    run.coarse()
+    told(run, time=time.time() + 3600)
+    shown = page(application(tmp_path), "/run?name=ahead")
+    assert "Stopped" in shown and "left" not in shown
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"running": (Under("here", 1e308),)},
+        {"running": (Under("here", -0.5),)},
+        {"left": 1e300},
+        {"elapsed": -1.0},
+        {"done": -1},
+        {"steps": 10**15},
+    ],
+)
+def test_absurd_progress_hides_no_run(tmp_path: Path, changes: dict[str, Any]) -> None:
+    run = FakeRun(tmp_path / "one")
+    best = run.coarse()
+    told(run, **changes)
+    assert read_progress(run.folder.progress) is None
+    shown = page(application(tmp_path), "/run?name=one")
+    assert "cannot be shown" not in shown and f'data-key="{best.key}"' in shown
+
+
+def test_an_error_is_said_once_and_as_it_is(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path / "NoLedger")
+    run.folder.ledger.unlink(missing_ok=True)
+    shown = page(application(tmp_path), "/run?name=NoLedger").split("<header>", 1)[1]
+    assert shown.count("has no ledger") == 1 and "NoLedger has no ledger" in shown
+    assert "noledger" not in shown
+
+
+@pytest.mark.parametrize(("shape", "drawn"), [((20, 20), True), ((200, 20), False)])
+def test_a_grid_too_large_to_send_again_and_again_is_left_out(
+    tmp_path: Path, shape: tuple[int, int], drawn: bool
+) -> None:
+    stage = Stage(name="matrix", axes=("morphology", "reward"), shape=shape, evaluations=4)
+    run = FakeRun(tmp_path / "one", plan=Plan((stage,)), preset="custom")
+    run.add(run.reference, Place(stage="matrix", index=(0, 0)), 10.0)
+    shown = page(application(tmp_path), "/run?name=one")
+    assert "The best now" in shown and ("Stage matrix" in shown) is drawn
 
 
 def test_a_damaged_run_says_so_and_the_others_are_shown(tmp_path: Path) -> None:

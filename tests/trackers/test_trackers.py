@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +17,8 @@ from tensorboardX.record_writer import masked_crc32c
 from fake_run import SETTINGS, FakeRun
 from robomore.errors import InputError
 from robomore.events import Finished, RunBegan, Spent
+from robomore.runs import load_run
+from robomore.store import Ledger
 from robomore.trackers import RunTracking, Tracked
 from robomore.trackers.tensorboard import TensorBoard
 from robomore.types import Evaluation, Place, Status
@@ -86,19 +89,27 @@ def test_a_tracker_is_told_every_evaluation_once(
     assert fake.finished == 1
 
 
-def test_a_screened_training_is_paid_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_steps_are_those_that_the_run_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     fake = Fake()
     module = SimpleNamespace(init=fake.init, log=fake.log, finish=fake.finish, __spec__=True)
     monkeypatch.setitem(sys.modules, "wandb", module)  # type: ignore[arg-type]
-    tracking, run = RunTracking(["wandb"]), FakeRun(tmp_path / "one")
+    run, tracking = FakeRun(tmp_path), RunTracking(["wandb"])
     plan = run.manifest.plan
     tracking(RunBegan("swimmer", "quick", SETTINGS, plan, "offline", "us", 7, 1, tmp_path))
     place = Place(stage="coarse", index=(0, 0))
-    first = run.add(run.reference, place, 1.0, steps=200)
-    for steps in (200, 400, 1_000):
-        stop = replace(first, key=f"k{steps}", job=replace(first.job, steps=steps), steps=steps)
-        tracking(Finished(stop, place, known=False))
-    assert [values["cost/steps"] for values, _ in fake.logged] == [200, 400, 1_000]
+    first = run.add(run.reference, place, 3.0, steps=200)
+    whole = replace(first, key="whole", job=replace(first.job, steps=1_000), steps=1_000)
+    failed = run.add(run.reference, place, None, Status.TIMED_OUT, "slow")
+    with closing(Ledger(run.folder.ledger)) as ledger:
+        ledger.add_place(Place(stage="coarse", index=(0, 1)), whole.key)
+        ledger.add_evaluation(whole)
+    for one in (first, whole, failed):
+        tracking(Finished(one, place, known=False))
+    steps = [values["cost/steps"] for values, _ in fake.logged]
+    assert steps == [200, 1_000, 2_000]
+    assert steps[-1] == load_run(tmp_path).cost.steps
 
 
 def test_tensorboard_files_lie_in_the_run_folder(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ from robomore.visualize import (
     pairs,
     parameters,
 )
+from robomore.visualize.studies import episodes
 
 matplotlib.use("agg")
 
@@ -182,3 +183,9 @@ def test_without_matplotlib_the_remedy_is_named(run: Run, monkeypatch: pytest.Mo
     for draw in (heatmap, best_so_far, fitness_over_volume, pairs, parameters, learning_curve):
         with pytest.raises(InputError, match=r'pip install "robomore\[plot\]"'):
             draw(run)
+
+
+def test_episodes_carry_the_unit_they_are_given() -> None:
+    axes = episodes({"rolling": (1.0, 2.0)}, "fitness (J)")
+    assert axes.get_ylabel() == "fitness (J)"
+    plt.close(axes.figure)

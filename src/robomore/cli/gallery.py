@@ -55,8 +55,9 @@ def show_gallery(folder: Path, as_json: bool) -> None:
     table = Table(box=None, pad_edge=False)
     table.add_column("champion")
     table.add_column("task")
-    for heading in ("efficiency", "fitness", "volume m³", "over reference", "equal density"):
+    for heading in ("efficiency", "fitness", "volume m³", "over reference"):
         table.add_column(heading, justify="right")
+    table.add_column("kept at equal density", justify="right")
     table.add_column("audit")
     for one in entries:
         table.add_row(
@@ -66,7 +67,7 @@ def show_gallery(folder: Path, as_json: bool) -> None:
             in_unit(one.fitness, "fitness", one.task.goal.unit),
             number(one.facts.volume),
             number(_over_reference(one), 3),
-            number(one.audit.equal_density.get("efficiency")) if one.audit else "-",
+            _kept(one),
             _verdict(one),
         )
     console().print(table)
@@ -120,6 +121,17 @@ def _over_reference(one: Entry) -> float | None:
     reference = one.origin.reference_efficiency if one.origin else ()
     mean = sum(reference) / len(reference) if reference else 0.0
     return one.efficiency / mean if one.efficiency is not None and mean > 0 else None
+
+
+def _kept(one: Entry) -> str:
+    """Return what is left of the audit's efficiency with the reference design's matter."""
+    from robomore.runs.words import measured
+
+    whole = one.audit.efficiency if one.audit else None
+    equal = one.audit.equal_density.get("efficiency") if one.audit else None
+    if whole is None or whole <= 0 or equal is None:
+        return "-"
+    return measured("kept_share", equal / whole)
 
 
 def _verdict(one: Entry) -> str:

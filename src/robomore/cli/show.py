@@ -132,7 +132,8 @@ def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
     """Return the run with what was asked for in the champion's place.
 
     Raises:
-        InputError: both were asked for, or there is no such evaluation, or no trained reference.
+        InputError: both were asked for, or there is no such evaluation, or nothing of the reference
+            design trained.
     """
     from robomore.runs import load_run
 
@@ -144,9 +145,7 @@ def chosen_run(path: Path, evaluation: str | None, reference: bool) -> Run:
     if reference:
         if run.reference is None:
             raise InputError(f"{path} has no final yet, so no reference design; run it on")
-        from robomore.cli.trained_design import best_seed_key
-
-        return run.focused(best_seed_key(run, run.reference))
+        return run.focused(run.reference.best(run.objective).key)
     return run
 
 

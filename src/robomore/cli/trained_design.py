@@ -10,8 +10,7 @@ from robomore.cli.inputs import read_parameters, read_text
 from robomore.errors import InputError
 from robomore.plain_files import PlainFolder
 from robomore.rendering.recording import Recording, record
-from robomore.runs import Run, TrainedDesign, load_run
-from robomore.runs.lineage import best_of
+from robomore.runs import Run, load_run
 from robomore.runs.loading import stored_task
 from robomore.runs.words import number
 from robomore.store import RunFolder, refuse_no_folder
@@ -101,26 +100,11 @@ def _from_run(
     elif not reference:
         if run.champion is None:
             raise InputError(f"{run.folder} has nothing trained yet; wait, or run it on")
-        found.append(_of_run(run, best_seed_key(run, run.champion), run.champion.name))
+        found.append(_of_run(run, run.champion.best(run.objective).key, run.champion.name))
     if reference or beside:
         assert run.reference is not None
-        found.append(_of_run(run, best_seed_key(run, run.reference), run.reference.name))
+        found.append(_of_run(run, run.reference.best(run.objective).key, run.reference.name))
     return found
-
-
-def best_seed_key(run: Run, design: TrainedDesign) -> str:
-    """Return the key of the best training seed of a design of the final.
-
-    Raises:
-        InputError: none of them trained.
-    """
-    best = best_of(design.evaluations, run.objective)
-    if best is None:
-        raise InputError(
-            f"no training of the {design.name} design in {run.folder} succeeded: "
-            f"{design.evaluations[0].diagnosis}"
-        )
-    return best.key
 
 
 def _of_run(run: Run, key: str, name: str) -> TrainedPolicy:

@@ -79,10 +79,11 @@ def _numbers(run: Run, evaluation: Evaluation, again: Sequence[float]) -> list[s
     champion = run.champion
     assert champion is not None
     episodes, unit = evaluation.episode_fitness, run.fitness_unit
+    whose = f"the evaluation `{evaluation.key}`" if run.focus else "the best training seed"
     lines = [
         "## Numbers",
         "",
-        "Of the exported policy, which is that of the best training seed:",
+        f"Of the exported policy, which is that of {whose}:",
         "",
         "| measure | value |",
         "|---|---|",

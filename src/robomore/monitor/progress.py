@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
 
@@ -23,11 +24,18 @@ _MOST_BYTES = 2**20
 _LONGEST = 300
 
 
+_MOST = 10**12
+
+Seconds = Annotated[float, msgspec.Meta(ge=0, le=_MOST)]
+Count = Annotated[int, msgspec.Meta(ge=0, le=_MOST)]
+"""What a file says beyond these bounds no run has written."""
+
+
 class Under(msgspec.Struct, frozen=True):
     """An evaluation under way: where in the run, and how much of its training is done, 0 to 1."""
 
     place: str
-    share: float
+    share: Annotated[float, msgspec.Meta(ge=0, le=1)]
 
 
 class Progress(msgspec.Struct, frozen=True, kw_only=True):
@@ -51,19 +59,19 @@ class Progress(msgspec.Struct, frozen=True, kw_only=True):
         over: whether the process has ended.
     """
 
-    time: float
-    elapsed: float
-    left: float | None
+    time: Seconds
+    elapsed: Seconds
+    left: Seconds | None
     stage: str
-    asked: int
-    done: int
-    finished: int
-    failed: int
-    known: int
-    workers: int
+    asked: Count
+    done: Count
+    finished: Count
+    failed: Count
+    known: Count
+    workers: Count
     running: tuple[Under, ...]
-    steps: int
-    budget: int | None
+    steps: Count
+    budget: Count | None
     trouble: str
     over: bool = False
 
@@ -124,7 +132,10 @@ def progress_of(state: RunState, over: bool = False) -> Progress:
         known=state.known,
         workers=run.workers if run else 0,
         running=tuple(
-            Under(run.plan.describe(one.place) if run else "", one.steps / max(1, one.total))
+            Under(
+                run.plan.describe(one.place) if run else "",
+                min(1.0, one.steps / max(1, one.total)),
+            )
             for one in state.running.values()
         ),
         steps=state.search_steps,
@@ -135,7 +146,7 @@ def progress_of(state: RunState, over: bool = False) -> Progress:
 
 
 def read_progress(path: Path) -> Progress | None:
-    """Return what a run last told of itself; `None` if that is nothing, or cannot be read."""
+    """Return what a run last told of itself; `None` if that is nothing, or no run writes it."""
     try:
         return msgspec.json.decode(read_plain(path, _MOST_BYTES), type=Progress)
     except (OSError, RunFolderError, msgspec.MsgspecError, RecursionError):

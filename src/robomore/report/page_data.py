@@ -37,10 +37,11 @@ def page_data(run: Run, moving: Collection[str], kept: Collection[str]) -> dict[
         evaluations.append(
             _evaluation(one, run.objective)
             | {
+                "seconds": _short(run.core_seconds[one.key]),
                 "places": [sanitize(run.plan.describe(place)) for place in places[one.key]],
-                "stage": first.stage,
-                "changed": first.changed,
-                "parent": first.parent,
+                "stage": sanitize(first.stage),
+                "changed": sanitize(first.changed),
+                "parent": sanitize(first.parent),
                 "final": run.plan.stage(first.stage).role == "final",
                 "cut": one.key in cut,
                 "replay": one.key in moving,
@@ -99,7 +100,6 @@ def _evaluation(one: Evaluation, objective: str) -> dict[str, Any]:
         "energy": _short(one.energy),
         "score": _short(one.score(objective)),
         "steps": one.job.steps,
-        "seconds": _short(one.seconds),
         # JavaScript has no whole numbers as large as a seed may be.
         "seed": str(one.job.seed),
         "ideas": [sanitize(design.morphology.idea), sanitize(design.reward.idea)],

@@ -13,8 +13,8 @@ from robomore.types import Evaluation
 if TYPE_CHECKING:
     from robomore.runs.run import Run
 
-
-_MOST_CELLS = 10**6
+_MOST_CELLS = 50_000
+"""That are drawn: some 200 bytes of a page each."""
 
 
 @dataclass(frozen=True, slots=True)

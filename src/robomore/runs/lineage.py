@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from robomore.identity import same_training
 from robomore.types import Evaluation, Place
@@ -52,20 +53,6 @@ def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
     return tuple(reversed(found))
 
 
-def with_whole_seconds(evaluations: Iterable[Evaluation]) -> dict[str, Evaluation]:
-    """Return evaluations by key; one that went on with a training has the seconds of all of it.
-
-    A ledger holds what each stop of a screened training took by itself.
-    """
-    so_far: dict[object, float] = {}
-    found = {}
-    for evaluation in sorted(evaluations, key=lambda e: e.job.steps):
-        training = same_training(evaluation)
-        so_far[training] = so_far.get(training, 0.0) + evaluation.seconds
-        found[evaluation.key] = replace(evaluation, seconds=so_far[training])
-    return found
-
-
 def trained_steps(evaluations: Iterable[Evaluation]) -> int:
     """Return the control steps of training that evaluations took; what was continued counts once.
 
@@ -79,10 +66,19 @@ def trained_steps(evaluations: Iterable[Evaluation]) -> int:
     return sum(longest.values())
 
 
-def trained_seconds(evaluations: Iterable[Evaluation]) -> float:
-    """Return the core-seconds that evaluations took; what was continued counts once."""
-    longest: dict[object, float] = {}
-    for evaluation in evaluations:
+def spent_seconds(evaluations: Iterable[Evaluation]) -> dict[str, float]:
+    """Return the core-seconds that each evaluation took with the rungs that it went on from.
+
+    Args:
+        evaluations: of one run, those after each rung too.
+
+    Returns:
+        Core-seconds by the evaluation's key.
+    """
+    found: dict[str, float] = {}
+    spent: defaultdict[object, float] = defaultdict(float)
+    for evaluation in sorted(evaluations, key=lambda one: one.job.steps):
         training = same_training(evaluation)
-        longest[training] = max(evaluation.seconds, longest.get(training, 0.0))
-    return sum(longest.values())
+        spent[training] += evaluation.seconds
+        found[evaluation.key] = spent[training]
+    return found

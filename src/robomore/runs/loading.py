@@ -14,7 +14,7 @@ from robomore.importer.first_compile import compile_content
 from robomore.plain_files import PlainFolder
 from robomore.plan import Plan
 from robomore.runs.empty import empty_slots
-from robomore.runs.lineage import Record, best_of, with_whole_seconds
+from robomore.runs.lineage import Record, best_of
 from robomore.runs.run import Run
 from robomore.runs.trained import TrainedDesign, trained_design
 from robomore.runs.words import in_unit
@@ -45,8 +45,8 @@ def load_run(folder: str | Path) -> Run:
     if not files.ledger.is_file():
         raise RunFolderError(f"{path} has no ledger; start its run again with the same command")
     with closing(Ledger(files.ledger, read_only=True)) as ledger:
-        whole = with_whole_seconds(ledger.evaluations())
-        placed = [(place, whole[one.key]) for place, one in ledger.placed()]
+        placed = ledger.placed()
+        measured = tuple(ledger.evaluations())
         untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
         proposals = tuple(ledger.proposals())
         ends = [event for event in ledger.events() if event.kind == "finished"]
@@ -77,6 +77,7 @@ def load_run(folder: str | Path) -> Run:
         morphology_only=groups.get("morphology_only"),
         reward_only=groups.get("reward_only"),
         records=records,
+        measured=measured,
         untried=untried,
         proposals=proposals,
         empty=empty_slots(proposals, plan),

@@ -14,7 +14,7 @@ from robomore.llm import Spending
 from robomore.plan import Plan
 from robomore.runs.empty import EmptySlot
 from robomore.runs.failures import Failure, failures_of
-from robomore.runs.lineage import Record, ancestry, best_of, trained_seconds, trained_steps
+from robomore.runs.lineage import Record, ancestry, best_of, spent_seconds, trained_steps
 from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.pareto import covered, pareto_set
 from robomore.runs.table import Row, dataframe, rows
@@ -33,12 +33,18 @@ if TYPE_CHECKING:
     from robomore.training.policy import MLPPolicy
 
 FEWEST_FOR_HEADLINE = 3
-"""Training seeds below which no ratio is put into a headline."""
+"""Training seeds that trained, on either side, below which no ratio is put into a headline."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """What a run has spent: every evaluation counts once, wherever it was asked for."""
+    """What a run has spent: every training counts once, wherever it was asked for.
+
+    Attributes:
+        evaluations: that were asked for.
+        steps: control steps of training.
+        core_seconds: of training and measuring, after each rung of screening too.
+    """
 
     evaluations: int
     steps: int
@@ -62,7 +68,9 @@ class Run:
         reference: the reference design in the final.
         morphology_only: the found morphology under the reference reward, in the final.
         reward_only: the reference morphology under the found reward, in the final.
-        records: every evaluation in each place it was asked for, in the order of the search.
+        records: every evaluation in each place it was asked for, in the order of the search; of a
+            training that went on from rung to rung, the last.
+        measured: every evaluation, those after earlier rungs of screening too, oldest first.
         untried: places that screening left out altogether, and why.
         proposals: what the designer answered, oldest first.
         empty: slots that the designer could not fill.
@@ -83,6 +91,7 @@ class Run:
     morphology_only: TrainedDesign | None
     reward_only: TrainedDesign | None
     records: tuple[Record, ...]
+    measured: tuple[Evaluation, ...]
     untried: dict[Place, str]
     proposals: tuple[Proposal, ...]
     empty: tuple[EmptySlot, ...]
@@ -139,9 +148,9 @@ class Run:
         """The ratio, if something was found, was trained, and has seeds enough for a headline."""
         if not self.final or self.champion_role == "reference" or self.is_smoke:
             return None
-        pair = (self.champion, self.reference)
-        enough = all(one and len(one.trained) >= FEWEST_FOR_HEADLINE for one in pair)
-        return self.ratio if enough else None
+        sides = [one for one in (self.champion, self.reference) if one is not None]
+        fewest = min(len(one.trained) for one in sides)
+        return self.ratio if fewest >= FEWEST_FOR_HEADLINE else None
 
     @cached_property
     def pairs(self) -> Pairs | None:
@@ -201,9 +210,14 @@ class Run:
         """What everything took."""
         return Cost(
             evaluations=len(self.evaluations),
-            steps=trained_steps(self.evaluations),
-            core_seconds=trained_seconds(self.evaluations),
+            steps=trained_steps(self.measured),
+            core_seconds=sum(evaluation.seconds for evaluation in self.measured),
         )
+
+    @cached_property
+    def core_seconds(self) -> dict[str, float]:
+        """Core-seconds by the key of an evaluation, with those of the rungs before it."""
+        return spent_seconds(self.measured)
 
     @cached_property
     def search_steps(self) -> int:
@@ -236,7 +250,7 @@ class Run:
 
     def rows(self) -> list[Row]:
         """Return one row an evaluation and place, in the order of the search."""
-        return rows(self.records, self.task, self.plan)
+        return rows(self.records, self.core_seconds, self.task, self.plan)
 
     def to_dataframe(self) -> Any:
         """Return the rows as a `pandas.DataFrame`; `InputError` without pandas."""

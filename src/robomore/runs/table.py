@@ -19,22 +19,31 @@ from robomore.tasks import Task
 Row = dict[str, Any]
 
 
-def rows(records: Sequence[Record], task: Task, plan: Plan) -> list[Row]:
+def rows(
+    records: Sequence[Record], seconds: Mapping[str, float], task: Task, plan: Plan
+) -> list[Row]:
     """Return one row an evaluation, in the order of the search.
 
     Units: fitness as the task says (`Fitness.unit`), volume m³, efficiency that of fitness over
     m³, energy J, lengths as the task says, times core-seconds.
+
+    Args:
+        records: of a run.
+        seconds: that each took, by the key of its evaluation.
+        task: of the run.
+        plan: of the run.
     """
-    return [_row(record, task, plan) for record in records]
+    return [_row(one, seconds[one.evaluation.key], task, plan) for one in records]
 
 
-def _row(record: Record, task: Task, plan: Plan) -> Row:
+def _row(record: Record, seconds: float, task: Task, plan: Plan) -> Row:
     place, evaluation = record.place, record.evaluation
     design = evaluation.design
     return {
         "place": plan.describe(place),
         "stage": place.stage,
-        "index": ".".join(map(str, place.index)),
+        # No reader takes this for a number, as it would "5.1" and "5.10", or for a date.
+        "index": "|".join(map(str, place.index)),
         "changed": place.changed,
         "repeat": place.repeat,
         "status": str(evaluation.status),
@@ -44,7 +53,7 @@ def _row(record: Record, task: Task, plan: Plan) -> Row:
         "energy": evaluation.energy,
         "cost_of_transport": evaluation.cost_of_transport,
         "steps": evaluation.job.steps,
-        "core_seconds": evaluation.seconds,
+        "core_seconds": seconds,
         "seed": evaluation.job.seed,
         **dict(zip(task.names, design.morphology.parameters, strict=True)),
         "morphology_idea": design.morphology.idea,

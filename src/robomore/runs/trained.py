@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
+from robomore.errors import InputError
 from robomore.statistics.spread import Spread, spread
 from robomore.store.champion import best_seed
 from robomore.tasks import Task
@@ -51,7 +52,17 @@ class TrainedDesign:
         }
 
     def best(self, objective: str) -> Evaluation:
-        """Return the evaluation of the best training seed; there has to be one that trained."""
+        """Return the evaluation of the best training seed.
+
+        Raises:
+            InputError: none trained.
+        """
+        if not self.trained:
+            first = self.evaluations[0]
+            raise InputError(
+                f"no training of the {self.name} design succeeded ({first.status}: "
+                f"{first.diagnosis}); name an evaluation that did with --evaluation KEY"
+            )
         return best_seed(self.trained, objective)
 
     def score(self, objective: str) -> Spread | None:

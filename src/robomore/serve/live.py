@@ -21,7 +21,7 @@ from robomore.runs.words import duration, in_unit
 from robomore.serve.folder import Watched, why_not_shown
 from robomore.text import sanitize
 
-_MOST_CELLS = 3000
+_MOST_MARKS = 3000
 """Marks of a figure that is sent again and again."""
 
 
@@ -82,7 +82,7 @@ def _line_or_why_not(one: Watched) -> Line:
 
 def _run_page(one: Watched, whole: bool) -> str:
     run = one.run
-    small = whole and run is not None and len(run.records) <= _MOST_CELLS
+    small = whole and run is not None and len(run.records) <= _MOST_MARKS
     template = templates().get_template("live/run.html")
     return sanitize(
         template.render(
@@ -100,6 +100,7 @@ def _run_page(one: Watched, whole: bool) -> str:
             grids=[
                 (g.stage.name, Markup(heatmap(g, run.objective, run.fitness_unit)))
                 for g in grids(run)
+                if len(g.cells) <= _MOST_MARKS
             ]
             if run and small
             else [],

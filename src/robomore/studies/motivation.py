@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import partial
 from statistics import fmean
 
+from robomore.runs.words import label
 from robomore.studies.retraining import GIVEN
 from robomore.studies.study import Arm, Draw, Results, Study
 from robomore.studies.table import Entry, Table
@@ -92,7 +93,9 @@ def _figures(results: Results) -> dict[str, Draw]:
             ]
         )
     }
-    return {"motivation": partial(episodes, lines)} if lines else {}
+    return (
+        {"motivation": partial(episodes, lines, label("fitness", ANT.goal.unit))} if lines else {}
+    )
 
 
 MOTIVATION = Study(

@@ -43,7 +43,7 @@ class RunTracking:
         self._trackers: dict[str, Tracker] = {}
         self._began: RunBegan | None = None
         self._seen: set[str] = set()
-        self._trained: dict[object, int] = {}
+        self._longest: dict[object, int] = {}
         self._best: float | None = None
         self._totals = {"cost/steps": 0.0, "cost/core_seconds": 0.0, "cost/failed": 0.0}
 
@@ -83,10 +83,7 @@ class RunTracking:
 
     def _values(self, event: Finished) -> dict[str, float]:
         evaluation, began = event.evaluation, self._began
-        # A screened training is told again at each stop, and a failed one counts in full.
-        training, steps = same_training(evaluation), evaluation.job.steps
-        self._totals["cost/steps"] += max(0, steps - self._trained.get(training, 0))
-        self._trained[training] = max(steps, self._trained.get(training, 0))
+        self._totals["cost/steps"] += self._new_steps(evaluation)
         self._totals["cost/core_seconds"] += evaluation.seconds
         self._totals["cost/failed"] += not evaluation.ok
         values = dict(self._totals)
@@ -103,6 +100,13 @@ class RunTracking:
         if self._best is not None:
             values[f"search/best_{objective}"] = self._best
         return values
+
+    def _new_steps(self, evaluation: Evaluation) -> int:
+        """Return the control steps beyond what its training had; a failed one counts in full."""
+        training = same_training(evaluation)
+        before = self._longest.get(training, 0)
+        self._longest[training] = max(before, evaluation.job.steps)
+        return self._longest[training] - before
 
     def _log(self, values: dict[str, float]) -> None:
         for name in list(self._trackers):

@@ -102,16 +102,17 @@ def by_task(
     return ax
 
 
-def episodes(lines: Mapping[str, Sequence[float]], ax: Axes | None = None) -> Axes:
+def episodes(lines: Mapping[str, Sequence[float]], name: str, ax: Axes | None = None) -> Axes:
     """Draw the fitness of each episode, one after the other, and a line for each case.
 
     Args:
-        lines: fitness of each episode in the goal's unit, by case.
+        lines: fitness of each episode, by case.
+        name: of the numbers, with their unit.
         ax: to draw on; new axes by default.
     """
     ax = axes_for(ax)
     for case, values in lines.items():
         ax.plot(range(1, len(values) + 1), values, ".-", linewidth=0.8, label=case)
-    ax.set(xlabel="episode", ylabel="fitness (m)")
+    ax.set(xlabel="episode", ylabel=name)
     ax.legend(fontsize="small")
     return ax

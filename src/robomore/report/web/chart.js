@@ -1,6 +1,6 @@
 // A small line chart with axes.
 
-import { drawn, make, number } from "./words.js";
+import { drawn, make } from "./words.js";
 
 const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [360, 190, 52, 10, 10, 34];
 
@@ -52,5 +52,5 @@ function short(value) {
   for (const [unit, letter] of [[1e6, "M"], [1e3, "k"]]) {
     if (Math.abs(value) >= unit) return `${Number((value / unit).toPrecision(4))}${letter}`;
   }
-  return number(Number(value.toPrecision(6)));
+  return String(Number(value.toPrecision(6)));
 }

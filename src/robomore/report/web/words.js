@@ -1,12 +1,22 @@
 // Numbers as people read them, and elements made of text that stays text.
 
-// As `robomore.runs.words.number`: so many significant digits, thousands apart.
+// As `robomore.runs.words.number`, digit for digit: so many significant digits, thousands apart.
 export function number(value, digits = 4) {
-  if (value === null || value === undefined) return "-";
-  const size = Math.abs(value);
-  if (size && (size < 1e-3 || size >= 1e7)) return value.toExponential(digits - 1);
-  return value.toLocaleString("en-US", { maximumSignificantDigits: Math.max(digits,
-    size >= 1 ? Math.floor(Math.log10(size)) + 1 : 0) });
+  if (value === null || value === undefined || !Number.isFinite(value)) return "-";
+  if (value === 0) return "0";
+  const text = rounded(value, digits);
+  const places = digits - 1 - Number(value.toExponential().split("e")[1]);
+  if (places > 8 || places < digits - 12) return text.replace(/e([+-])(\d)$/, "e$10$2");
+  const shown = Math.max(0, places);
+  return Number(text).toLocaleString("en-US", { minimumFractionDigits: shown, maximumFractionDigits: shown });
+}
+
+// Returns `1.234e+5`. What lies half between two numbers becomes the even one, as in Python.
+function rounded(value, digits) {
+  const [exact, exponent] = value.toExponential(100).split("e");
+  const kept = exact.slice(0, exact.indexOf(".") + digits);
+  const half = /^50*$/.test(exact.slice(kept.length));
+  return half && "02468".includes(kept.at(-1)) ? `${kept}e${exponent}` : value.toExponential(digits - 1);
 }
 
 // With one digit after the point, and no sign before a zero.
