@@ -15,6 +15,9 @@ from robomore.executors.executor import Done, Executor, Failed, Outcome
 _PROMPTLY = 10.0
 """Seconds that stopping may take, which is far less than the job that is stopped."""
 
+_MOMENT = 0.1
+"""Seconds of a job that is not over before a busy machine looks at the one that ended first."""
+
 
 def check_executor(make: Callable[[], Executor]) -> None:
     """Check that an executor does what `Executor` promises. Takes some seconds.
@@ -36,10 +39,12 @@ def check_executor(make: Callable[[], Executor]) -> None:
 
 
 def reply(payload: bytes, progress: Callable[[int], None]) -> bytes:
-    """Job: report one unit and return the payload, or raise if the payload says so."""
+    """Job: report one unit and return the payload, or raise or take a moment if it says so."""
     progress(1)
     if payload == b"raise":
         raise ValueError("raised on purpose")
+    if payload == b"slow":
+        time.sleep(_MOMENT)
     return b"reply to " + payload
 
 
@@ -96,7 +101,7 @@ def _check_failures(executor: Executor) -> None:
 def _check_stop(executor: Executor) -> None:
     started: set[int] = set()
     outcomes: dict[int, Outcome] = {}
-    payloads = [b"x"] * (20 + 2 * executor.workers)
+    payloads = [b"slow"] * (20 + 2 * executor.workers)
     for index, outcome in executor.map(
         _REPLY, payloads, lambda index, units: started.add(index), _TIMEOUT, lambda: bool(outcomes)
     ):
