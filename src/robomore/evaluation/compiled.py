@@ -13,8 +13,8 @@ import msgspec
 
 from robomore.identity import content_key
 from robomore.sandbox.call import Containment, run_sandboxed
-from robomore.store.manifest import package_versions
 from robomore.training.compilation import CACHE_VARIABLE, training_code
+from robomore.training.settings import versions_for
 from robomore.training.warm import Shape
 from robomore.types import Limits, Status
 
@@ -34,7 +34,8 @@ def compiled_trainer(shape: Shape, containment: Containment) -> Path | None:
         A folder to be read and not written to; `None` if there can be none, so that every
         candidate compiles for itself.
     """
-    folder = cache_folder() / content_key(shape, package_versions(), training_code(), _processor())
+    versions = versions_for(shape.trainer)
+    folder = cache_folder() / content_key(shape, versions, training_code(), _processor())
     if folder.is_dir():
         return folder
     try:

@@ -265,6 +265,7 @@ class Evaluator:
             scratch=str(self.folder.scratch / key),
             checkpoint=str(self.folder.path / checkpoint) if continues else "",
             containment=self.containment,
+            versions=self.versions,
             task=task_content(self.task),
         )
 

@@ -27,7 +27,7 @@ class Request:
         checkpoint: folder to continue from and to leave a checkpoint in; empty for none. Without a
             shared disk it is the name of a carried folder (`robomore.executors.carried`).
         containment: `strict` refuses to run without the operating system's layers.
-        versions: of packages, that the worker must have too; empty for a worker on this machine.
+        versions: of packages and of an own trainer's code, that the worker must have too.
         task: content of the job's task, if it comes from a file (`robomore.tasks.portable`).
     """
 

@@ -31,20 +31,21 @@ from robomore.monitor.progress import ProgressFile
 from robomore.plan import Plan
 from robomore.report import write_report
 from robomore.runs import Run, load_run
+from robomore.sandbox.call import Containment
 from robomore.search import Final, SearchContext, SearchMethod, final, make_method
 from robomore.search.budget import BudgetedEvaluate, BudgetSpent
 from robomore.search.final import stage as final_stage
 from robomore.search.measure import distinct
 from robomore.search.starts import usable
 from robomore.settings import RunSettings, preset
-from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package_versions
+from robomore.store import Ledger, Manifest, RunFolder, open_or_recover
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import task_content
 from robomore.tasks.registry import remember
 from robomore.trackers import RunTracking
-from robomore.training.settings import ensure_trainer, packages_for
+from robomore.training.settings import ensure_trainer, versions_for
 from robomore.types import Design, Evaluation, Morphology, Reward, Start
 
 
@@ -168,7 +169,7 @@ def run(
         plan=plan,
         starts=starts,
         designer_settings=chosen.settings,
-        versions=package_versions(*packages_for(settings.trainer)),
+        versions=versions_for(settings.trainer),
     )
     out = (
         Path(out).expanduser() if out else default_folder(task.id, name, chosen.name, seed, starts)
@@ -192,6 +193,8 @@ def run(
         if content:
             folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
+        if mode is Containment.RELAXED:
+            ledger.add_event("containment", layers=layers)
         doing = stack.enter_context(make_executor())
         observe(
             RunBegan(
