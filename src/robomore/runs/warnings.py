@@ -31,6 +31,11 @@ def warnings_about(run: Run) -> tuple[str, ...]:
             f"The task {run.task.id} was edited after this run ({', '.join(run.task_changes)}): "
             "drawings, bounds and volumes shown here may not be those of the run."
         )
+    if run.containment:
+        said.append(
+            f"Rewards were not strictly contained: {run.containment}. One from elsewhere could "
+            "have changed files of the machine, these numbers among them."
+        )
     champion = run.champion
     if champion is None:
         return (*said, "Nothing has been trained successfully yet.", *_about_slots(run))
