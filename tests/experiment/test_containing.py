@@ -49,11 +49,9 @@ def test_a_relaxed_run_keeps_a_trace_and_a_strict_one_has_nothing_to_say(
     monkeypatch.setattr(module, "choose_containment", lambda asked, ours: chosen)
     settings = with_method(preset("smoke"), "random")
     run("swimmer", settings, executor="untrained", out=tmp_path / "relaxed")
-    said = load_run(tmp_path / "relaxed").warnings
-    assert said[0].startswith(
-        "Rewards were not strictly contained: relaxed (limits; without files)"
-    )
-    assert "not strictly contained" in (tmp_path / "relaxed" / "report.html").read_text()
+    told = "Containment was relaxed (limits; without files)."
+    assert load_run(tmp_path / "relaxed").warnings[0].startswith(told)
+    assert told in (tmp_path / "relaxed" / "report.html").read_text()
     chosen = Containment.STRICT, "strict (limits, files)"
     run("swimmer", settings, executor="untrained", out=tmp_path / "strict")
-    assert not any("contained" in one for one in load_run(tmp_path / "strict").warnings)
+    assert not any("Containment" in one for one in load_run(tmp_path / "strict").warnings)

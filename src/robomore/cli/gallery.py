@@ -97,7 +97,7 @@ def show_entry(folder: Path, as_json: bool) -> None:
         )
         screen.print(origin.provenance)
         if origin.containment:
-            screen.print(f"Rewards were not strictly contained: {origin.containment}.")
+            screen.print(f"Containment was {origin.containment}.")
     table = Table(box=None, pad_edge=False, show_header=False)
     table.add_column()
     table.add_column(justify="right")

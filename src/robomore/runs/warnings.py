@@ -33,8 +33,8 @@ def warnings_about(run: Run) -> tuple[str, ...]:
         )
     if run.containment:
         said.append(
-            f"Rewards were not strictly contained: {run.containment}. One from elsewhere could "
-            "have changed files of the machine, these numbers among them."
+            f"Containment was {run.containment}. Where files or system calls are not kept in, a "
+            "reward from elsewhere could have changed these numbers."
         )
     champion = run.champion
     if champion is None:
