@@ -15,7 +15,13 @@ from robomore.designers.absent import NoDesigner
 from robomore.designers.hints import Hints, no_hint
 from robomore.designers.recorded import RecordedDesigner
 from robomore.designers.started import StartedDesigner
-from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitReached
+from robomore.errors import (
+    InputError,
+    Interrupted,
+    NothingTrained,
+    StorageFailed,
+    TimeLimitReached,
+)
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
@@ -29,7 +35,7 @@ from robomore.experiment.training_facts import training_facts
 from robomore.identity import content_key
 from robomore.monitor.progress import ProgressFile
 from robomore.plan import Plan
-from robomore.report import write_report
+from robomore.report.page import render
 from robomore.runs import Run, load_run
 from robomore.sandbox.call import Containment
 from robomore.search import Final, SearchContext, SearchMethod, final, make_method
@@ -100,6 +106,7 @@ def run(
 
     Raises:
         InputError: something asked for cannot be done; nothing was started.
+        StorageFailed: the disk is full, or cannot be written; what was finished is kept.
         NothingTrained: every candidate failed.
         BudgetExhausted, ModelUnavailable: of a language model; the same call goes on later.
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
@@ -256,8 +263,16 @@ def run(
             ) from None
         except TimeLimitReached:
             ledger.add_event("time-limit", seconds=time_limit)
-        write_report(out)
-    return load_run(out)
+        found = load_run(out)
+        try:
+            folder.files.write(folder.report.name, render(found).encode())
+        except OSError as error:
+            raise StorageFailed(
+                f"everything that was measured is whole and kept in {out}, but its report cannot "
+                f"be written ({error.strerror}); free disk space, then `robomore report {out}` "
+                "writes it"
+            ) from None
+    return found
 
 
 def _executor(
