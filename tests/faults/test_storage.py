@@ -75,7 +75,7 @@ def test_a_full_disk_stops_a_run_that_goes_on_once_there_is_space(
 def test_a_disk_without_room_for_the_report_has_the_whole_run(small_disk: Path) -> None:
     resize(small_disk, "size=480k")
     out = small_disk / "run"
-    done = ended(*SMOKE, "--method", "random", "--workers", "1", "--out", out)
+    done = ended(*SMOKE, "--workers", "1", "--out", out)
     assert done.returncode == 1, done.stderr
     stopped(done)
     assert "its report cannot be written (No space left on device)" in done.stderr

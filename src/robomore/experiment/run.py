@@ -194,6 +194,7 @@ def run(
         stack.callback(tracking.close)
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
+        stack.callback(folder.empty_scratch)
         progress = ProgressFile(folder.progress, observe)
         stack.callback(progress.close)
         observe = one_at_a_time(progress)
