@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir
 
 import msgspec
 
@@ -32,9 +32,23 @@ def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
         return to_json(evaluate(request, progress))
     _refuse_leaks(request.containment)
     checkpoint = str(carried_folder(request.checkpoint)) if request.checkpoint else ""
-    with TemporaryDirectory(prefix="robomore-", ignore_cleanup_errors=True) as folder:
-        here = replace(request, scratch=str(Path(folder) / "scratch"), checkpoint=checkpoint)
-        return to_json(evaluate(here, progress))
+    try:
+        with TemporaryDirectory(prefix="robomore-", ignore_cleanup_errors=True) as folder:
+            here = replace(request, scratch=str(Path(folder) / "scratch"), checkpoint=checkpoint)
+            answer = evaluate(here, progress)
+            if not answer.evaluation.ok:
+                # Before the design is blamed for what may be this machine's fault.
+                (Path(folder) / "probe").write_bytes(bytes(_PROBE_BYTES))
+    except OSError as error:
+        raise UnfitWorker(
+            f"this worker cannot write to {gettempdir()} ({error.strerror}); free disk space "
+            "there, or set TMPDIR to another folder"
+        ) from None
+    return to_json(answer)
+
+
+_PROBE_BYTES = 4 * 2**20
+"""More than a training leaves."""
 
 
 def _refuse_other_versions(request: Request) -> None:
