@@ -9,12 +9,19 @@ import time
 from collections.abc import Callable, Generator, Sequence
 
 import msgspec
+import numpy as np
 
 from robomore.evaluation.request import Answer, Request
 from robomore.executors import EXECUTORS, Done, Outcome
 from robomore.executors.executor import Progress, never
+from robomore.report import page
+from robomore.runs import Run
 from robomore.tasks import get_task
+from robomore.training.policy import MLPPolicy
 from robomore.types import Curve, Evaluation, Status, TermStatistics
+
+NO_POLICY = MLPPolicy((np.zeros((1, 1), np.float32),), (np.zeros(1, np.float32),))
+"""Fits no robot: whatever moves it fails."""
 
 
 class Untrained:
@@ -40,10 +47,15 @@ class Untrained:
             progress(index, 0)
             time.sleep(self.seconds)
             request = msgspec.json.decode(payload, type=Request)
-            yield index, Done(msgspec.json.encode(Answer(made_up(request))))
+            yield index, Done(answer(request))
 
     def close(self) -> None:
         """Nothing to stop."""
+
+
+def answer(request: Request) -> bytes:
+    """Return what a worker would send."""
+    return msgspec.json.encode(Answer(made_up(request), NO_POLICY.to_bytes()))
 
 
 def made_up(request: Request) -> Evaluation:
@@ -66,3 +78,11 @@ def made_up(request: Request) -> Evaluation:
 
 if "untrained" not in EXECUTORS:
     EXECUTORS.register("untrained", Untrained)
+    recorded = page.recorded
+
+    def moving(run: Run, key: str, name: str) -> bytes | None:
+        """Leave out of a report what cannot move, which would be a warning each time."""
+        nothing = run.load_policy(key).digest == NO_POLICY.digest
+        return None if nothing else recorded(run, key, name)
+
+    page.recorded = moving

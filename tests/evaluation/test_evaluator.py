@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 
 from robomore.errors import NoWorker, RunFolderError, StorageFailed, TimeLimitReached
@@ -18,6 +20,7 @@ from robomore.executors.executor import Carry, never
 from robomore.settings import Budget
 from robomore.store import Ledger, RunFolder
 from robomore.tasks import get_task
+from robomore.training.policy import MLPPolicy
 from robomore.types import (
     Curve,
     Design,
@@ -45,7 +48,12 @@ def good(request: Request) -> Outcome:
     return answered(evaluation)
 
 
-def answered(evaluation: Evaluation, policy: bytes = b"") -> Outcome:
+def a_policy(number: float) -> bytes:
+    weight = np.full((1, 1), number, np.float32)
+    return MLPPolicy((weight,), (np.zeros(1, np.float32),)).to_bytes()
+
+
+def answered(evaluation: Evaluation, policy: bytes = a_policy(1.0)) -> Outcome:
     return Done(msgspec.json.encode(Answer(evaluation, policy)))
 
 
@@ -226,15 +234,17 @@ def test_no_design_is_blamed_where_no_worker_starts(tmp_path: Path) -> None:
 def test_a_policy_that_comes_out_otherwise_is_not_passed_off(tmp_path: Path) -> None:
     def luckier(request: Request) -> Outcome:
         known = Evaluation(request.key, request.job, Status.OK, episode_fitness=(1.0,), **NUMBERS)
-        return answered(known, b"another policy")
+        return answered(known, a_policy(2.0))
 
     ours = evaluator(tmp_path, Scripted(good))
     (first,) = ours.measure([trial(1)], budget=BUDGET)
+    lost = RunFolder(tmp_path).artifacts / first.artifact / "policy.npz"
+    lost.unlink()
     ours.executor = Scripted(luckier)
     with pytest.raises(RunFolderError, match="restore it from a copy"):
-        ours.restore_policies([replace(first, artifact=first.key)])
+        ours.restore_policies([first])
     assert ours.ledger.evaluation(first.key) == first
-    assert not any(RunFolder(tmp_path).artifacts.glob("*"))
+    assert not lost.exists()
 
 
 def test_policies_come_as_bytes_and_are_kept_with_their_curves(tmp_path: Path) -> None:
@@ -242,24 +252,33 @@ def test_policies_come_as_bytes_and_are_kept_with_their_curves(tmp_path: Path) -
 
     def trained(request: Request) -> Outcome:
         known = Evaluation(request.key, request.job, Status.OK, curve=curve, **NUMBERS)
-        return answered(known, b"policy")
+        return answered(known, a_policy(3.0))
 
     ours = evaluator(tmp_path, Scripted(trained))
     (measured,) = ours.measure([trial(1)], budget=BUDGET)
     assert measured.artifact == measured.key
     kept = RunFolder(tmp_path).artifacts / measured.artifact / "policy.npz"
-    assert kept.read_bytes() == b"policy"
+    assert kept.read_bytes() == a_policy(3.0)
     assert ours.ledger.curve(measured.key) == curve
     known = ours.ledger.evaluation(measured.key)
     assert known is not None and known.curve is None
 
 
-@pytest.mark.parametrize("reply", [b"{", b"\xff", b"[]", b'{"evaluation": null}', b"[" * 100_000])
-def test_an_answer_that_cannot_be_read_costs_one_evaluation(tmp_path: Path, reply: bytes) -> None:
+@pytest.mark.parametrize(
+    "reply", [None, "{}", b"{", b"\xff", b"[]", b'{"evaluation": null}', b"[" * 100_000]
+)
+def test_an_answer_that_cannot_be_read_costs_one_evaluation(tmp_path: Path, reply: Any) -> None:
     (failed,) = evaluator(tmp_path, Scripted(lambda request: Done(reply))).measure(
         [trial(1)], budget=BUDGET
     )
     assert failed.status is Status.FAILED and "cannot be read" in failed.diagnosis
+
+
+def test_why_it_cannot_be_read_is_one_short_line(tmp_path: Path) -> None:
+    reply = msgspec.json.encode({"evaluation": {"key": "\x1b[2J\n" * 10**6}})
+    odd = evaluator(tmp_path, Scripted(lambda request: Done(reply)))
+    (failed,) = odd.measure([trial(1)], budget=BUDGET)
+    assert failed.diagnosis.isprintable() and len(failed.diagnosis) < 1_000
 
 
 def test_an_answer_for_somebody_else_is_not_believed(tmp_path: Path) -> None:

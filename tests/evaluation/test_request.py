@@ -6,9 +6,11 @@ from dataclasses import replace
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 
 from robomore.evaluation.request import Answer, Training, checked_answer, checked_training
+from robomore.training.policy import MLPPolicy
 from robomore.types import (
     Curve,
     Design,
@@ -25,6 +27,7 @@ JOB = Job("ant", Design(Morphology((0.1,)), Reward("…")), TrainerSettings(), 1
 GOOD = Evaluation(
     "k1", JOB, Status.OK, fitness=1.0, volume=0.5, efficiency=2.0, episode_fitness=(1.0,)
 )
+POLICY = MLPPolicy((np.ones((2, 1), np.float32),), (np.zeros(1, np.float32),)).to_bytes()
 
 
 def test_a_curve_is_carried_over() -> None:
@@ -70,11 +73,10 @@ def test_names_of_terms_and_notes_are_one_line_each() -> None:
     assert "a b" in next(iter(found.terms))
 
 
-@pytest.mark.parametrize("policy", [b"", b"policy"])
-def test_a_good_answer_is_carried_over(policy: bytes) -> None:
-    answer = Answer(GOOD, policy)
+def test_a_good_answer_is_carried_over() -> None:
+    answer = Answer(GOOD, POLICY)
     assert checked_answer(msgspec.json.encode(answer), "k1", JOB) == answer
-    failed = Answer(Evaluation("k1", JOB, Status.UNSTABLE, "why", artifact="k1"), policy)
+    failed = Answer(Evaluation("k1", JOB, Status.UNSTABLE, "why", artifact="k1"), POLICY)
     kept = checked_answer(msgspec.json.encode(failed), "k1", JOB)
     assert kept == Answer(replace(failed.evaluation, artifact=""), b"")
 
@@ -103,14 +105,26 @@ def test_a_good_answer_is_carried_over(policy: bytes) -> None:
         {"efficiency": 1e11},
         {"fitness": 3.0},
         {"episode_fitness": [1.0, 99.0]},
+        {"diagnosis": "x" * 2_000_000},
+        {"notes": ["x" * 2_000_000]},
     ],
-    ids=str,
+    ids=lambda changes: str(changes)[:60],
 )
 def test_an_answer_that_cannot_be_kept_is_refused(changes: dict[str, Any]) -> None:
-    answer = msgspec.to_builtins(Answer(GOOD))
+    answer = msgspec.to_builtins(Answer(GOOD, POLICY))
     answer["evaluation"] |= changes
     with pytest.raises(ValueError, match=r"."):
         checked_answer(msgspec.json.encode(answer), "k1", JOB)
+
+
+@pytest.mark.parametrize(
+    "policy", [b"", b"policy", POLICY[:-1], POLICY.replace(b"bias0", b"bias1")]
+)
+def test_ok_without_a_policy_that_can_be_used_is_refused(policy: bytes) -> None:
+    with pytest.raises(ValueError, match="policy"):
+        checked_answer(msgspec.json.encode(Answer(GOOD, policy)), "k1", JOB)
+    with pytest.raises(ValueError, match="more than"):
+        checked_answer(msgspec.json.encode(Answer(GOOD, bytes(2**26) + POLICY)), "k1", JOB)
 
 
 @pytest.mark.parametrize("reply", [b"", b"null", b"\xff", b"[" * 100_000, b'{"evaluation": 1e999}'])

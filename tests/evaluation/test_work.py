@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 from dataclasses import replace
 
 import msgspec
@@ -67,3 +68,14 @@ def test_another_task_of_the_same_name_is_refused(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(worker, "ensure", lambda _: None)
     with pytest.raises(UnfitWorker, match="swimmer"):
         asked(replace(FAR, job=replace(JOB, task_key="0" * 24)))
+
+
+def test_a_machine_that_cannot_write_blames_no_design(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker, "ensure", lambda _: None)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2**20, limits[1]))
+    try:
+        with pytest.raises(UnfitWorker, match=r"cannot write to \S+ \(File too large\).*TMPDIR"):
+            asked(FAR)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)

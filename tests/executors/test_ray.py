@@ -220,7 +220,11 @@ def test_with_a_node_killed_in_the_middle_the_numbers_are_those_of_one_process(
 
 
 def test_a_node_that_is_not_fit_gets_no_more_work(
-    cluster: Any, executor: Ray, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    cluster: Any,
+    executor: Ray,
+    tmp_path: Path,
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     while executor.workers < 2:
         cluster.add_node(num_cpus=1)
@@ -233,3 +237,8 @@ def test_a_node_that_is_not_fit_gets_no_more_work(
     (nowhere,) = outcomes(executor, "unfit", [b""])
     assert isinstance(nowhere, Failed) and nowhere.unstarted
     assert "no machine is good enough" in nowhere.reason
+    # The same with a number of workers, for which Ray would wait until a machine comes.
+    monkeypatch.setattr(executor, "_asked", 5)
+    for refused in ({}, dict(executor._nodes._refused)):
+        monkeypatch.setattr(executor._nodes, "_refused", refused)
+        assert [type(one) for one in outcomes(executor, "unfit", [b""] * 8)] == [Failed] * 8

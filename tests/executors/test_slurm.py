@@ -41,7 +41,7 @@ def test_it_asks_for_what_was_said() -> None:
     assert script.index("--head") < script.index("'/k e/y.env'") < script.index("run ant")
     assert subprocess.run(["bash", "-n"], input=script, text=True).returncode == 0
     with pytest.raises(InputError, match="is no name"):
-        Allocation(nodes=1, seconds=60, partition="a; rm -rf /").directives()
+        Allocation(nodes=1, seconds=600, partition="a; rm -rf /").directives()
 
 
 @pytest.mark.parametrize(
@@ -49,6 +49,11 @@ def test_it_asks_for_what_was_said() -> None:
     [
         (("--nodes", "0", "--time", "1h", "--", "run", "ant"), "nodes"),
         (("--nodes", "1", "--time", "soon", "--", "run", "ant"), "is no time"),
+        (("--nodes", "1", "--time", "30s", "--", "run", "ant"), "give at least 5m"),
+        (
+            ("--nodes", "1", "--time", "1h", "--memory-per-node", "100K", "--", "run", "ant"),
+            "--memory-per-node of 0.0977 MiB: Ray and one evaluation need more; give at least 1GiB",
+        ),
         (("--nodes", "1", "--time", "1h"), "name the command"),
         (("--nodes", "1", "--time", "1h", "--", "show", "runs/demo"), "name the command"),
         (("--nodes", "1", "--time", "1h", "--", "run", "ant", "--executor", "ray"), "leave out"),

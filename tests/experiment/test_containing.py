@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import importlib
+from pathlib import Path
+
 import pytest
 
+import untrained  # noqa: F401  # known as an executor once it is imported
+from robomore import load_run, run
 from robomore.errors import InputError
 from robomore.experiment.containing import choose_containment
 from robomore.sandbox import layers
 from robomore.sandbox.call import Containment
 from robomore.sandbox.restrictions import REQUIRED, Layer
+from robomore.settings import preset, with_method
 
 
 def test_only_rewards_of_our_own_may_do_without_layers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -33,3 +39,19 @@ def test_layers_are_tried_again_until_all_hold(monkeypatch: pytest.MonkeyPatch) 
     for _ in range(3):
         assert choose_containment("strict", ours=False)[0] is Containment.STRICT
     assert not answers
+
+
+def test_a_relaxed_run_keeps_a_trace_and_a_strict_one_has_nothing_to_say(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = Containment.RELAXED, "relaxed (limits; without files)"
+    module = importlib.import_module("robomore.experiment.run")
+    monkeypatch.setattr(module, "choose_containment", lambda asked, ours: chosen)
+    settings = with_method(preset("smoke"), "random")
+    run("swimmer", settings, executor="untrained", out=tmp_path / "relaxed")
+    told = "Containment was relaxed (limits; without files)."
+    assert load_run(tmp_path / "relaxed").warnings[0].startswith(told)
+    assert told in (tmp_path / "relaxed" / "report.html").read_text()
+    chosen = Containment.STRICT, "strict (limits, files)"
+    run("swimmer", settings, executor="untrained", out=tmp_path / "strict")
+    assert not any("Containment" in one for one in load_run(tmp_path / "strict").warnings)

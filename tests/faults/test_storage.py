@@ -72,6 +72,19 @@ def test_a_full_disk_stops_a_run_that_goes_on_once_there_is_space(
     resize(small_disk, "rw")
 
 
+def test_a_disk_without_room_for_the_report_has_the_whole_run(small_disk: Path) -> None:
+    resize(small_disk, "size=480k")
+    out = small_disk / "run"
+    done = ended(*SMOKE, "--workers", "1", "--out", out)
+    assert done.returncode == 1, done.stderr
+    stopped(done)
+    assert "its report cannot be written (No space left on device)" in done.stderr
+    shown = ended("show", out, "--json")
+    assert shown.returncode == 0 and json.loads(shown.stdout)["final"]
+    resize(small_disk, "size=64m")
+    assert ended("report", out).returncode == 0 and (out / "report.html").is_file()
+
+
 @pytest.mark.exhaustive  # A full disk is much the same.
 @pytest.mark.parametrize("kib", [8, 48])
 def test_files_that_may_not_grow_stop_a_run_in_the_same_way(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,7 @@ from robomore.options import settings_words
 from robomore.plain_files import PlainFolder
 from robomore.runs import load_run
 from robomore.runs.gallery import add_entry, load_entry, load_gallery
+from robomore.store import Ledger
 from robomore.store.audit import Audit, Verdict, save_audit
 from robomore.store.champion import write_design, write_sums
 from robomore.training.policy import MLPPolicy
@@ -51,6 +53,13 @@ def test_an_entry_is_the_champion_without_its_run(audited: Path, tmp_path: Path)
     assert sum(one.stat().st_size for one in folder.iterdir()) < 2**20
     with pytest.raises(InputError, match="exists"):
         add_entry(run, tmp_path / "gallery")
+
+
+def test_an_entry_tells_how_rewards_were_contained(audited: Path, tmp_path: Path) -> None:
+    with closing(Ledger(audited / "ledger.sqlite")) as ledger:
+        ledger.add_event("containment", layers="relaxed (limits;\nwithout files)")
+    origin = load_entry(add_entry(load_run(audited), tmp_path / "gallery")).origin
+    assert origin is not None and origin.containment == "relaxed (limits; without files)"
 
 
 def test_what_is_no_champion_is_refused(trained_run: Path, audited: Path, tmp_path: Path) -> None:

@@ -43,6 +43,18 @@ def test_the_same_run_may_continue(tmp_path: Path) -> None:
     folder.release()
 
 
+def test_what_a_killed_run_left_in_its_scratch_folder_is_removed(tmp_path: Path) -> None:
+    begun(tmp_path / "run", ASKED)
+    left = tmp_path / "run" / "scratch" / "k1" / "deep"
+    left.mkdir(parents=True)
+    with pytest.raises(RunFolderError):
+        RunFolder.prepare(tmp_path / "run", replace(ASKED, seed=4))
+    assert left.exists(), "of another run nothing is removed"
+    folder = RunFolder.prepare(tmp_path / "run", ASKED)
+    assert not list(folder.scratch.iterdir())
+    folder.release()
+
+
 def test_a_start_may_have_another_name_and_no_other_content(tmp_path: Path) -> None:
     def started(name: str, length: float) -> Manifest:
         morphology = Morphology((length,), f"given ({name})")

@@ -96,6 +96,8 @@ def show_entry(folder: Path, as_json: bool) -> None:
             f"trained for {origin.steps:,} steps with {len(one.facts.seeds)} seeds"
         )
         screen.print(origin.provenance)
+        if origin.containment:
+            screen.print(f"Containment was {origin.containment}.")
     table = Table(box=None, pad_edge=False, show_header=False)
     table.add_column()
     table.add_column(justify="right")

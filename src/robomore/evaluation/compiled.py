@@ -13,8 +13,8 @@ import msgspec
 
 from robomore.identity import content_key
 from robomore.sandbox.call import Containment, run_sandboxed
-from robomore.store.manifest import package_versions
-from robomore.training.compilation import CACHE_VARIABLE, training_code
+from robomore.training.compilation import CACHE_VARIABLE, is_damaged, training_code
+from robomore.training.settings import versions_for
 from robomore.training.warm import Shape
 from robomore.types import Limits, Status
 
@@ -22,7 +22,7 @@ _log = logging.getLogger(__name__)
 
 
 def compiled_trainer(shape: Shape, containment: Containment) -> Path | None:
-    """Return the folder of the trainer's compiled code, made now if it is the first time.
+    """Return the folder of the trainer's compiled code, made now if there is none that is whole.
 
     Two processes may make the same one side by side; the later one's work is dropped.
 
@@ -34,14 +34,17 @@ def compiled_trainer(shape: Shape, containment: Containment) -> Path | None:
         A folder to be read and not written to; `None` if there can be none, so that every
         candidate compiles for itself.
     """
-    folder = cache_folder() / content_key(shape, package_versions(), training_code(), _processor())
-    if folder.is_dir():
+    versions = versions_for(shape.trainer)
+    folder = cache_folder() / content_key(shape, versions, training_code(), _processor())
+    damaged = is_damaged(folder)
+    if folder.is_dir() and not damaged:
         return folder
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         partial = Path(mkdtemp(prefix="partial-", dir=folder.parent))
     except OSError:
         return None
+    away = partial.with_suffix(".damaged")
     warmed = run_sandboxed(
         "robomore.training.warm:warm",
         msgspec.json.encode(shape),
@@ -54,11 +57,14 @@ def compiled_trainer(shape: Shape, containment: Containment) -> Path | None:
         _log.warning("each training compiles for itself: %s", warmed.diagnosis)
     try:
         if warmed.status is Status.OK:
+            if damaged:
+                folder.rename(away)
             partial.rename(folder)
     except OSError:
         pass  # Somebody else was first; `folder` is there.
     finally:
-        shutil.rmtree(partial, ignore_errors=True)
+        for left in (partial, away):
+            shutil.rmtree(left, ignore_errors=True)
     return folder if folder.is_dir() else None
 
 

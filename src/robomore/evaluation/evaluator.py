@@ -29,6 +29,7 @@ from robomore.store.rundir import RunFolder
 from robomore.tasks.fingerprint import task_key
 from robomore.tasks.portable import task_content
 from robomore.tasks.task import Task
+from robomore.text import one_line
 from robomore.training.policy import POLICY, MLPPolicy
 from robomore.training.tuned import resolve
 from robomore.types import (
@@ -50,6 +51,9 @@ _TRIES = 2
 """A process that dies may have been killed from outside; one that dies twice has a reason."""
 _SUSPECT = (Status.CRASHED, Status.FAILED)
 """Ends that may be the machine's fault and not the design's."""
+
+_LONGEST = 500
+"""Characters of why an answer cannot be read."""
 
 log = logging.getLogger(__name__)
 
@@ -265,6 +269,7 @@ class Evaluator:
             scratch=str(self.folder.scratch / key),
             checkpoint=str(self.folder.path / checkpoint) if continues else "",
             containment=self.containment,
+            versions=self.versions,
             task=task_content(self.task),
         )
 
@@ -355,6 +360,7 @@ def _answer(key: str, job: Job, outcome: Outcome) -> tuple[Evaluation, bytes]:
     try:
         answer = checked_answer(outcome.reply, key, job)
     except ValueError as error:
-        said = f"the worker's answer cannot be read: {error}"
+        # A worker may be anybody's, and what it sent stands in the reason.
+        said = f"the worker's answer cannot be read: {one_line(str(error)[:_LONGEST])}"
         return Evaluation(key, job, Status.FAILED, said), b""
     return answer.evaluation, answer.policy

@@ -10,8 +10,9 @@ from statistics import fmean
 import msgspec
 
 from robomore.store.schema import check_numbers
-from robomore.text import one_line
+from robomore.text import one_line, to_json
 from robomore.training.curve import check_curve
+from robomore.training.policy import MLPPolicy
 from robomore.types import Curve, Evaluation, Job, TermStatistics
 
 
@@ -27,7 +28,7 @@ class Request:
         checkpoint: folder to continue from and to leave a checkpoint in; empty for none. Without a
             shared disk it is the name of a carried folder (`robomore.executors.carried`).
         containment: `strict` refuses to run without the operating system's layers.
-        versions: of packages, that the worker must have too; empty for a worker on this machine.
+        versions: of packages and of an own trainer's code, that the worker must have too.
         task: content of the job's task, if it comes from a file (`robomore.tasks.portable`).
     """
 
@@ -80,8 +81,10 @@ def checked_answer(reply: bytes, key: str, job: Job) -> Answer:
         job: likewise; it stands in the place of what the worker says of it.
 
     Raises:
-        ValueError: it is no encoded `Answer`, or one that cannot be true.
+        ValueError: it is no encoded `Answer`, or one that cannot be true or is too long to keep.
     """
+    if not isinstance(reply, bytes):
+        raise ValueError(f"it is of the type {type(reply).__name__} and not bytes")
     try:
         answer = msgspec.json.decode(reply, type=Answer)
     except RecursionError:
@@ -93,8 +96,14 @@ def checked_answer(reply: bytes, key: str, job: Job) -> Answer:
     _refuse_contradictions(evaluation)
     if evaluation.curve is not None:
         check_curve(evaluation.curve)
-    policy = answer.policy if evaluation.ok else b""
-    return Answer(replace(evaluation, job=job, artifact=""), policy)
+    evaluation = replace(evaluation, job=job, artifact="")
+    size = len(to_json(replace(evaluation, curve=None))) - len(to_json(job))
+    if size > _MOST_BYTES:
+        raise ValueError(f"it has {size:,} bytes besides its policy (the most is {_MOST_BYTES:,})")
+    if not evaluation.ok:
+        return Answer(evaluation)
+    MLPPolicy.from_bytes(answer.policy)
+    return Answer(evaluation, answer.policy)
 
 
 def _refuse_contradictions(evaluation: Evaluation) -> None:
@@ -136,5 +145,7 @@ def checked_training(reply: bytes) -> Training:
     )
 
 
+_MOST_BYTES = 2**20
+"""Of an evaluation without its job and curve; usual ones have some thousand."""
 _MOST_TERMS, _LONGEST_NAME = 64, 100
 _MOST_NOTES, _LONGEST_NOTE = 16, 500

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir
 
 import msgspec
 
@@ -16,8 +16,8 @@ from robomore.evaluation.request import Request
 from robomore.executors.carried import carried_folder
 from robomore.sandbox.call import Containment
 from robomore.sandbox.layers import ensure
-from robomore.store.manifest import package_versions
 from robomore.text import to_json
+from robomore.training.settings import versions_for
 
 
 def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
@@ -27,32 +27,50 @@ def work(payload: bytes, progress: Callable[[int], None]) -> bytes:
         UnfitWorker: this machine is not as the run needs it; nothing was begun.
     """
     request = msgspec.json.decode(payload, type=Request)
+    _refuse_other_versions(request)
     if request.scratch:
         return to_json(evaluate(request, progress))
-    _refuse_other_versions(request.versions)
     _refuse_leaks(request.containment)
     checkpoint = str(carried_folder(request.checkpoint)) if request.checkpoint else ""
-    with TemporaryDirectory(prefix="robomore-", ignore_cleanup_errors=True) as folder:
-        here = replace(request, scratch=str(Path(folder) / "scratch"), checkpoint=checkpoint)
-        return to_json(evaluate(here, progress))
+    try:
+        with TemporaryDirectory(prefix="robomore-", ignore_cleanup_errors=True) as folder:
+            here = replace(request, scratch=str(Path(folder) / "scratch"), checkpoint=checkpoint)
+            answer = evaluate(here, progress)
+            if not answer.evaluation.ok:
+                # Before the design is blamed for what may be this machine's fault.
+                (Path(folder) / "probe").write_bytes(bytes(_PROBE_BYTES))
+    except OSError as error:
+        raise UnfitWorker(
+            f"this worker cannot write to {gettempdir()} ({error.strerror}); free disk space "
+            "there, or set TMPDIR to another folder"
+        ) from None
+    return to_json(answer)
 
 
-def _refuse_other_versions(wanted: dict[str, str]) -> None:
-    """Refuse to give numbers that would be others than those of whoever asks.
+_PROBE_BYTES = 4 * 2**20
+"""More than a training leaves."""
+
+
+def _refuse_other_versions(request: Request) -> None:
+    """Refuse to give numbers that would be others than those that the run began with.
 
     Raises:
-        UnfitWorker: naming the packages.
+        UnfitWorker: naming the packages, or the trainer.
     """
-    found = package_versions(*(name for name in wanted if name != "python"))
+    try:
+        found = versions_for(request.job.trainer)
+    except InputError as error:
+        raise UnfitWorker(str(error)) from None
     other = [
-        f"{name} {found[name]} instead of {version}"
-        for name, version in wanted.items()
-        if found[name] != version
+        f"{name} {found.get(name, 'absent')} instead of {version}"
+        for name, version in request.versions.items()
+        if found.get(name) != version
     ]
     if other:
         raise UnfitWorker(
-            f"it has {', '.join(other)}, which could change the numbers; install the same versions "
-            "on every machine"
+            f"this worker has {', '.join(other)}, which could change the numbers: it was edited or "
+            "installed anew since the run began, or differs from machine to machine; give every "
+            "worker the same as the run"
         )
 
 

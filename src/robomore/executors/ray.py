@@ -45,7 +45,7 @@ class Ray:
             if workers is None:
                 self._nodes.refuse_too_small()
             self._asked = workers
-            self._workers = Workers(lambda: self._asked or self._nodes.capacity())
+            self._workers = Workers(self._most)
             self._remote = ray.remote(
                 num_returns="streaming",
                 num_cpus=resources.cores,
@@ -63,6 +63,10 @@ class Ray:
     def workers(self) -> int:
         """How many jobs run at once: what was asked for, or what the cluster holds now."""
         return max(1, self._workers.count)
+
+    def _most(self) -> int:
+        """Return how many jobs may be with Ray now: none where all it could do is wait for ever."""
+        return 0 if self._nodes.hopeless() else self._asked or self._nodes.capacity()
 
     def map(
         self,

@@ -98,6 +98,7 @@ class Batch:
         try:
             while self._waiting or self._tasks:
                 self._start()
+                self._take_back()
                 if self._tasks:
                     idle_since = time.monotonic()
                     for generator in self._ready():
@@ -266,6 +267,13 @@ class Batch:
             self._ray.cancel(other, force=True)
             self._over(other, None)
         return task.index, outcome
+
+    def _take_back(self) -> None:
+        """Take back what waits in Ray for a machine if no machine that is there is fit."""
+        if self._nodes.hopeless() and not any(task.node for task in self._tasks.values()):
+            for generator in list(self._tasks):
+                self._ray.cancel(generator, force=True)
+                self._again(generator)
 
     def _no_way(self, seconds: float) -> str:
         """Return why the waiting jobs cannot be started, if it is certain by now."""

@@ -76,15 +76,18 @@ exit "$status"
 """
 
 
+_LEAST_SECONDS, _LEAST_MEMORY = 300, 2**30
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Allocation:
     """What is asked of Slurm.
 
     Attributes:
         nodes: machines.
-        seconds: wall-clock limit of the job.
+        seconds: wall-clock limit of the job, at least 300.
         cores_per_node: processor cores of each; `None` for whole machines.
-        memory_per_node: bytes of each; `None` for what the cluster gives by itself.
+        memory_per_node: bytes of each, at least 1 GiB; `None` for what the cluster gives by itself.
         partition: queue of the cluster; empty for its default.
         account: who pays; empty for the user's default.
     """
@@ -105,14 +108,25 @@ class Allocation:
         for name, text in (("partition", self.partition), ("account", self.account)):
             if text != shlex.quote(text) and text:
                 raise InputError(f"--{name} {text!r} is no name that Slurm knows")
-        minutes = max(1, round(self.seconds / 60))
+        if self.seconds < _LEAST_SECONDS:
+            raise InputError(
+                f"--time of {self.seconds:g} s: the command is stopped two minutes before the end, "
+                f"and Ray has to start; give at least {_LEAST_SECONDS // 60}m"
+            )
+        memory = self.memory_per_node
+        if memory is not None and memory < _LEAST_MEMORY:
+            raise InputError(
+                f"--memory-per-node of {memory / 2**20:.3g} MiB: Ray and one evaluation need more; "
+                f"give at least {_LEAST_MEMORY // 2**30}GiB"
+            )
+        minutes = round(self.seconds / 60)
         lines = [
             f"--nodes={self.nodes}",
             f"--time={minutes // 1440}-{minutes // 60 % 24:02}:{minutes % 60:02}:00",
             f"--cpus-per-task={self.cores_per_node}" if self.cores_per_node else "--exclusive",
         ]
-        if self.memory_per_node:
-            lines.append(f"--mem={self.memory_per_node // 2**20}M")
+        if memory:
+            lines.append(f"--mem={memory // 2**20}M")
         if self.partition:
             lines.append(f"--partition={self.partition}")
         if self.account:

@@ -100,7 +100,7 @@ def doubt(evaluator: Evaluator, task: Task, objective: str, group: Sequence[Eval
         subject = Subject(task, best.design.morphology.parameters, policy, best.fitness)
         try:
             known = _written(evaluator.folder, best.artifact, audit(subject))
-        except FitnessFailed as error:
+        except (FitnessFailed, ValueError) as error:  # such as a policy that fits another robot
             return f"its fitness cannot be measured in other episodes: {error}"
     return " ".join(f"{one.check}: {one.says}" for one in known.failed)
 

@@ -176,11 +176,12 @@ def _recorded(replay: Replay) -> LanguageModel:
 
 
 def _pictures(task: Task, artifacts: Path, evaluation: Evaluation) -> list[bytes]:
-    """Return pictures of a measured design; how it moves only if its policy can be read."""
-    parameters, act = evaluation.design.morphology.parameters, None
+    """Return pictures of a measured design; how it moves only if its policy can be used."""
+    parameters = evaluation.design.morphology.parameters
     if evaluation.artifact:
         try:
             act = MLPPolicy.load(artifacts / evaluation.artifact / POLICY).act
+            return pictures(task, parameters, act, evaluation.job.seed)
         except (OSError, ValueError) as error:
             log.warning("no picture of how it moves: %s", error)
-    return pictures(task, parameters, act, evaluation.job.seed)
+    return pictures(task, parameters)

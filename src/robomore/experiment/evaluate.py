@@ -14,11 +14,10 @@ from robomore.experiment.arguments import ensure_whole
 from robomore.experiment.containing import choose_containment
 from robomore.identity import job_key
 from robomore.settings import Budget, RunSettings, preset
-from robomore.store import package_versions
 from robomore.tasks import Task, get_task
 from robomore.tasks.portable import task_content
 from robomore.training.policy import POLICY
-from robomore.training.settings import ensure_trainer, packages_for
+from robomore.training.settings import ensure_trainer, versions_for
 from robomore.types import Design, Evaluation, Morphology, Reward
 
 
@@ -69,7 +68,7 @@ def evaluate(
     with TemporaryDirectory(prefix="robomore-") as scratch:
         request = Request(
             job=job,
-            key=job_key(job, package_versions(*packages_for(settings.trainer))),
+            key=job_key(job, versions_for(settings.trainer)),
             scratch=str(Path(scratch) / "scratch"),
             checkpoint=str(checkpoint or ""),
             containment=mode,

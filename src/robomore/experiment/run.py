@@ -15,7 +15,13 @@ from robomore.designers.absent import NoDesigner
 from robomore.designers.hints import Hints, no_hint
 from robomore.designers.recorded import RecordedDesigner
 from robomore.designers.started import StartedDesigner
-from robomore.errors import InputError, Interrupted, NothingTrained, TimeLimitReached
+from robomore.errors import (
+    InputError,
+    Interrupted,
+    NothingTrained,
+    StorageFailed,
+    TimeLimitReached,
+)
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
@@ -29,22 +35,23 @@ from robomore.experiment.training_facts import training_facts
 from robomore.identity import content_key
 from robomore.monitor.progress import ProgressFile
 from robomore.plan import Plan
-from robomore.report import write_report
+from robomore.report.page import render
 from robomore.runs import Run, load_run
+from robomore.sandbox.call import Containment
 from robomore.search import Final, SearchContext, SearchMethod, final, make_method
 from robomore.search.budget import BudgetedEvaluate, BudgetSpent
 from robomore.search.final import stage as final_stage
 from robomore.search.measure import distinct
 from robomore.search.starts import usable
 from robomore.settings import RunSettings, preset
-from robomore.store import Ledger, Manifest, RunFolder, open_or_recover, package_versions
+from robomore.store import Ledger, Manifest, RunFolder, open_or_recover
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import task_content
 from robomore.tasks.registry import remember
 from robomore.trackers import RunTracking
-from robomore.training.settings import ensure_trainer, packages_for
+from robomore.training.settings import ensure_trainer, versions_for
 from robomore.types import Design, Evaluation, Morphology, Reward, Start
 
 
@@ -99,6 +106,7 @@ def run(
 
     Raises:
         InputError: something asked for cannot be done; nothing was started.
+        StorageFailed: the disk is full, or cannot be written; what was finished is kept.
         NothingTrained: every candidate failed.
         BudgetExhausted, ModelUnavailable: of a language model; the same call goes on later.
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
@@ -168,7 +176,7 @@ def run(
         plan=plan,
         starts=starts,
         designer_settings=chosen.settings,
-        versions=package_versions(*packages_for(settings.trainer)),
+        versions=versions_for(settings.trainer),
     )
     out = (
         Path(out).expanduser() if out else default_folder(task.id, name, chosen.name, seed, starts)
@@ -186,12 +194,15 @@ def run(
         stack.callback(tracking.close)
         folder = RunFolder.prepare(out, manifest)
         stack.callback(folder.release)
+        stack.callback(folder.empty_scratch)
         progress = ProgressFile(folder.progress, observe)
         stack.callback(progress.close)
         observe = one_at_a_time(progress)
         if content:
             folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
+        if mode is Containment.RELAXED:
+            ledger.add_event("containment", layers=layers)
         doing = stack.enter_context(make_executor())
         observe(
             RunBegan(
@@ -253,8 +264,16 @@ def run(
             ) from None
         except TimeLimitReached:
             ledger.add_event("time-limit", seconds=time_limit)
-        write_report(out)
-    return load_run(out)
+        found = load_run(out)
+        try:
+            folder.files.write(folder.report.name, render(found).encode())
+        except OSError as error:
+            raise StorageFailed(
+                f"everything that was measured is whole and kept in {out}, but its report cannot "
+                f"be written ({error.strerror}); free disk space, then `robomore report {out}` "
+                "writes it"
+            ) from None
+    return found
 
 
 def _executor(

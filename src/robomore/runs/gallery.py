@@ -47,6 +47,7 @@ class Origin:
             goal's unit.
         reference_efficiency: likewise, over the volume in m³.
         versions: of the packages that decide the numbers.
+        containment: how rewards were kept in, where that was not strictly; else empty.
     """
 
     preset: str = ""
@@ -60,6 +61,7 @@ class Origin:
     reference_fitness: tuple[float, ...] = ()
     reference_efficiency: tuple[float, ...] = ()
     versions: dict[str, str] = field(default_factory=dict)
+    containment: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,6 +192,7 @@ def add_entry(run: Run, gallery: Path) -> Path:
             reference.efficiency.values if reference and reference.efficiency else ()
         ),
         versions=manifest.versions,
+        containment=run.containment,
     )
     kept = RunFolder(run.folder)
     try:

@@ -24,6 +24,7 @@ from robomore.tasks import Task
 from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import MOST_CONTENT, task_from_content
 from robomore.tasks.registry import known_task, refuse_taken
+from robomore.text import one_line
 from robomore.types import Place
 
 ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
@@ -49,7 +50,9 @@ def load_run(folder: str | Path) -> Run:
         measured = tuple(ledger.evaluations())
         untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
         proposals = tuple(ledger.proposals())
-        ends = [event for event in ledger.events() if event.kind == "finished"]
+        events = ledger.events()
+    ends = [event for event in events if event.kind == "finished"]
+    relaxed = [event.body.get("layers") for event in events if event.kind == "containment"]
     with closing(LedgerExchanges(files.ledger, read_only=True)) as exchanges:
         spending = exchanges.spent()
     plan = manifest.plan
@@ -84,6 +87,7 @@ def load_run(folder: str | Path) -> Run:
         spending=spending,
         task_changes=_changes(manifest.task_parts, fingerprint(task)),
         passed_over=_passed_over(task, records, manifest, ends[-1].body if ends else {}),
+        containment=one_line(str(relaxed[-1])) if relaxed else "",
     )
     if champion is None and (best := best_of((r.evaluation for r in run.searched), run.objective)):
         return replace(run, champion=trained_design("best so far", task, [best]))

@@ -77,6 +77,7 @@ class Run:
         spending: on a language model; nothing where none was asked.
         task_changes: parts of the task that were edited since the run.
         passed_over: designs that failed their audit and could not be champion, and why.
+        containment: how rewards were kept in, in words, where that was not strictly; else empty.
         focus: key of the evaluation that stands in the champion's place (`focused`); else empty.
     """
 
@@ -98,6 +99,7 @@ class Run:
     spending: Spending
     task_changes: tuple[str, ...]
     passed_over: tuple[str, ...] = ()
+    containment: str = ""
     focus: str = ""
 
     def __repr__(self) -> str:

@@ -31,6 +31,11 @@ def warnings_about(run: Run) -> tuple[str, ...]:
             f"The task {run.task.id} was edited after this run ({', '.join(run.task_changes)}): "
             "drawings, bounds and volumes shown here may not be those of the run."
         )
+    if run.containment:
+        said.append(
+            f"Containment was {run.containment}. Where files or system calls are not kept in, a "
+            "reward from elsewhere could have changed these numbers."
+        )
     champion = run.champion
     if champion is None:
         return (*said, "Nothing has been trained successfully yet.", *_about_slots(run))

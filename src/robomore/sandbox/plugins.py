@@ -24,14 +24,15 @@ def plugin_files() -> dict[str, tuple[Path, ...]]:
     found: dict[str, tuple[Path, ...]] = {}
     for group in _GROUPS:
         for entry in plugin_entries(group):
-            modules = own_source(entry.value.partition(":")[0].strip(), skip=_is_installed)
+            modules = own_source(entry.value.partition(":")[0].strip(), skip=is_installed)
             for top in {module.partition(".")[0] for module in modules}:
-                if top != "robomore" and not _is_installed(top):
+                if top != "robomore" and not is_installed(top):
                     found[top] = _places(top)
     return found
 
 
-def _is_installed(top: str) -> bool:
+def is_installed(top: str) -> bool:
+    """Return whether a top module lies in a folder for installed packages."""
     return any(part in PACKAGES for path in _places(top) for part in path.parts)
 
 

@@ -57,29 +57,37 @@ def read_arrays(path: Path, most_bytes: int, most_members: int) -> dict[str, NDA
         UntrustedFileError: as `read_file` does, or it is anything else. Nothing is unpickled,
             inflated, or believed that a header says of sizes.
     """
-    content = read_file(path, most_bytes)
-    _check_list(path, content, most_members)
+    return arrays_in(read_file(path, most_bytes), path.name, most_bytes, most_members)
+
+
+def arrays_in(
+    content: bytes, name: str, most_bytes: int, most_members: int
+) -> dict[str, NDArray[np.float32]]:
+    """Do what `read_arrays` does with the content of a file; errors call it `name`."""
+    if len(content) > most_bytes:
+        raise UntrustedFileError(f"{name} has more than {most_bytes:,} bytes")
+    _check_list(name, content, most_members)
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = archive.infolist()
             if len(members) > most_members or sum(it.file_size for it in members) > most_bytes:
-                raise UntrustedFileError(f"{path.name} holds too many arrays, or too large ones")
+                raise UntrustedFileError(f"{name} holds too many arrays, or too large ones")
             arrays = {}
             for member in members:
-                name, _, ending = member.filename.rpartition(".")
+                member_name, _, ending = member.filename.rpartition(".")
                 # Plain members alone: to inflate one, or to decrypt it, could take any time.
                 stored = member.compress_type == zipfile.ZIP_STORED and not member.flag_bits & 1
-                if ending != "npy" or name in arrays or not stored:
-                    raise UntrustedFileError(f"{path.name} is not what NumPy writes")
-                arrays[name] = _array(archive.read(member))
+                if ending != "npy" or member_name in arrays or not stored:
+                    raise UntrustedFileError(f"{name} is not what NumPy writes")
+                arrays[member_name] = _array(archive.read(member))
             return arrays
     except UntrustedFileError:
         raise
     except _BROKEN as error:
-        raise UntrustedFileError(f"{path.name} is no file of arrays: {error}") from None
+        raise UntrustedFileError(f"{name} is no file of arrays: {error}") from None
 
 
-def _check_list(path: Path, content: bytes, most_members: int) -> None:
+def _check_list(name: str, content: bytes, most_members: int) -> None:
     """Refuse an archive whose list of members is long, before `zipfile` reads all of the list.
 
     NumPy writes no comment, so that the end record is what an archive ends with, and a record of
@@ -87,12 +95,12 @@ def _check_list(path: Path, content: bytes, most_members: int) -> None:
     """
     end, larger = content[-_END.size :], content[-_END.size - 20 : -_END.size]
     if not end.startswith(b"PK\x05\x06") or len(end) < _END.size:
-        raise UntrustedFileError(f"{path.name} is no file of arrays: no list of them ends it")
+        raise UntrustedFileError(f"{name} is no file of arrays: no list of them ends it")
     if larger.startswith(b"PK\x06\x07"):
-        raise UntrustedFileError(f"{path.name} is not what NumPy writes")
+        raise UntrustedFileError(f"{name} is not what NumPy writes")
     members, list_bytes = _END.unpack(end)
     if members > most_members or list_bytes > _MOST_OF_A_MEMBER * most_members:
-        raise UntrustedFileError(f"{path.name} holds too many arrays, or too large ones")
+        raise UntrustedFileError(f"{name} holds too many arrays, or too large ones")
 
 
 _END = struct.Struct("<10xHI6x")

@@ -123,6 +123,7 @@ class RunFolder:
                         "choose another folder with --out"
                     )
                 asked.save(folder.manifest)
+            folder.empty_scratch()
         except OSError as error:
             raise RunFolderError(
                 f"cannot write to {path} ({error.strerror}); choose another folder with --out"
@@ -218,6 +219,12 @@ class RunFolder:
                 return not (exchanges.all() or ledger.proposals() or ledger.evaluations())
         except RoboMoReError:
             return False  # what cannot be read may be worth something
+
+    def empty_scratch(self) -> None:
+        """Remove what trainings that were stopped or killed left, as far as that is possible."""
+        with suppress(OSError, RunFolderError):
+            for name in self.files.names(self.scratch.name):
+                self.files.remove(f"{self.scratch.name}/{name}")
 
     def _remove_partial_files(self) -> None:
         """Remove files that a killed run had begun to write. A page may be written right now."""

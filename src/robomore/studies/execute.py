@@ -22,13 +22,12 @@ from robomore.runs import Run, load_run
 from robomore.search import METHODS, make_method
 from robomore.search.robomore.settings import RoboMoReSettings
 from robomore.settings import RunSettings, from_options
-from robomore.store import package_versions
 from robomore.studies.presets import Scale
 from robomore.studies.remeasured import remeasure
 from robomore.studies.retraining import GIVEN, retraining
 from robomore.studies.study import Arm, Cell, Results, Study
 from robomore.tasks import get_task
-from robomore.training.settings import packages_for
+from robomore.training.settings import versions_for
 
 FORMATS = ("svg", "pdf", "png")
 
@@ -266,6 +265,6 @@ def _finished(
         settings,
         cell.arm.start_from,
         designer_identity(designer),
-        package_versions(*packages_for(settings.trainer)),
+        versions_for(settings.trainer),
     )
     return found if known == wanted and found.final and not found.task_changes else None

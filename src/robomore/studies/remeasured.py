@@ -77,7 +77,7 @@ def _again(run: Run, point: Point) -> float | None:
             max(LEAST_EPISODES, job.episodes),
             derive_seed(job.seed, "measured again"),
         )
-    except RoboMoReError as error:
+    except (RoboMoReError, ValueError) as error:  # such as a policy that fits another robot
         log.warning("%s of %s cannot be measured again: %s", evaluation.key, run.folder, error)
         return None
     volume = run.task.volume(job.design.morphology.parameters)

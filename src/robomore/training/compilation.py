@@ -65,6 +65,11 @@ def training_code() -> str:
     return content_key([(path.name, path.read_text(encoding="utf-8")) for path in files])
 
 
+def is_damaged(folder: Path) -> bool:
+    """Return whether a program in a folder is not what was written, so that nobody can use it."""
+    return any(_whole(path) is None for path in folder.glob(f"*{_ENDING}"))
+
+
 def _path(key: str) -> Path | None:
     folder = os.environ.get(CACHE_VARIABLE)
     return Path(folder) / f"{key}{_ENDING}" if folder else None
@@ -74,16 +79,18 @@ def _read(key: str) -> Any:
     from jax.experimental import serialize_executable
 
     path = _path(key)
-    if path is None:
-        return None
+    kept = _whole(path) if path else None
+    return serialize_executable.deserialize_and_load(*pickle.loads(kept)) if kept else None
+
+
+def _whole(path: Path) -> bytes | None:
+    """Return the program in a file, `None` if it is damaged: that would give wrong numbers."""
     try:
         content = path.read_bytes()
     except OSError:
         return None
     kept = content[_DIGEST:]
-    if hashlib.sha256(kept).digest() != content[:_DIGEST]:
-        return None  # Damaged, or whoever wrote it was killed: wrong code would give wrong numbers.
-    return serialize_executable.deserialize_and_load(*pickle.loads(kept))
+    return kept if hashlib.sha256(kept).digest() == content[:_DIGEST] else None
 
 
 def _make(key: str, function: Callable[..., Any], arguments: Any) -> Any:

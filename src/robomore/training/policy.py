@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robomore.sandbox.untrusted_files import read_arrays
+from robomore.sandbox.untrusted_files import arrays_in, read_arrays
 
 POLICY = "policy.npz"
 """Name of a policy's file in the folder of whatever it belongs to."""
@@ -79,7 +79,15 @@ class MLPPolicy:
         Raises:
             ValueError: the file is not a policy (missing layers, wrong shapes, non-finite numbers).
         """
-        arrays = read_arrays(path, _MOST_BYTES, most_members=2 * _MOST_LAYERS)
+        return cls._of(read_arrays(path, _MOST_BYTES, most_members=2 * _MOST_LAYERS), str(path))
+
+    @classmethod
+    def from_bytes(cls, content: bytes) -> MLPPolicy:
+        """Do what `load` does with the content of a policy file."""
+        return cls._of(arrays_in(content, POLICY, _MOST_BYTES, 2 * _MOST_LAYERS), POLICY)
+
+    @classmethod
+    def _of(cls, arrays: dict[str, NDArray[np.float32]], path: str) -> MLPPolicy:
         layers = len(arrays) // 2
         names = {f"{part}{i}" for part in ("weight", "bias") for i in range(layers)}
         if arrays.keys() != names:

@@ -14,8 +14,12 @@ from typing import Annotated, Any
 import msgspec
 
 from robomore.errors import InputError
+from robomore.identity import content_key
 from robomore.registry import Registry
+from robomore.sandbox.plugins import is_installed
 from robomore.settings import from_options
+from robomore.store.manifest import package_versions
+from robomore.tasks.own_source import own_source
 from robomore.training.trainer import Trainer
 from robomore.types import TrainerSettings
 
@@ -246,13 +250,27 @@ def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
         )
 
 
-def packages_for(trainer: TrainerSettings) -> tuple[str, ...]:
-    """Return the packages that this trainer needs and RoboMoRe does not bring.
+def versions_for(trainer: TrainerSettings) -> dict[str, str]:
+    """Return the versions that can change the numbers of evaluations that `trainer` trains.
+
+    They are those of packages, and of a trainer that RoboMoRe does not bring a digest of its code
+    as it stands on the disk now.
 
     Raises:
         InputError: unknown algorithm.
     """
-    return TRAINERS.get(trainer.name).needs
+    algorithm = TRAINERS.get(trainer.name)
+    versions = package_versions(*algorithm.needs)
+    modules = (algorithm.trainer.partition(":")[0], algorithm.settings.__module__)
+    if code := [_own_code(module) for module in modules if not module.startswith("robomore.")]:
+        versions[f"trainer {trainer.name}"] = content_key(code)
+    return versions
+
+
+def _own_code(module: str) -> dict[str, str]:
+    """Return the text of a module and of what it imports of its author's, by name."""
+    own = module.partition(".")[0]
+    return own_source(module, skip=lambda top: top != own and is_installed(top))
 
 
 def make_trainer(trainer: TrainerSettings) -> Trainer:
