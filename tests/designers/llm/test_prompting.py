@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 import re
 from importlib import resources
+from typing import get_args
 from xml.etree import ElementTree
 
 import pytest
@@ -30,6 +31,7 @@ from robomore.envs.robots import environment_class
 from robomore.envs.source import environment_source
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
+from robomore.settings import Objective
 from robomore.tasks import Task, get_task
 from robomore.types import Morphology, Reward
 
@@ -219,9 +221,44 @@ def test_a_cut_history_says_so() -> None:
     assert "taken in turn (the best by score; the worst by score)" in prompt
 
 
-@pytest.mark.parametrize("objective", ["efficiency", "fitness"])
-def test_the_objective_is_said(objective: str) -> None:
-    assert f"The score is the {objective}." in text_of(SWIMMER, "morphology", objective=objective)
+SCORES = {
+    "efficiency": ("efficiency (m/m³)", "2.5", "The score is the efficiency."),
+    "fitness": ("fitness (m)", "3", "The score is the fitness."),
+    # 4 kg that go 5 m for 98.1 J.
+    "transport-economy": ("transport economy (no unit)", "2", "but the transport economy: mass"),
+}
+
+
+@pytest.mark.parametrize("objective", get_args(Objective))
+def test_the_objective_is_said_and_each_score_shown_by_its_name(objective: str) -> None:
+    label, number, sentence = SCORES[objective]
+    best = dataclasses.replace(
+        evaluation(middle(SWIMMER), reward(), 3.0),
+        efficiency=2.5,
+        body={"mass": 4.0},
+        behaviour={"forward_distance_m": 5.0, "energy_j": 98.1},
+    )
+    for kind in KINDS:
+        given = {"best": best, "measured": [best]} if kind.startswith("improve") else {}
+        text = text_of(SWIMMER, kind, objective=objective, **given)
+        assert sentence in text
+        if given:
+            assert f"the order is that of the score, the {label}." in text
+            lines = text.split("\n")
+            at = next(i for i, line in enumerate(lines) if "| volume (m³) |" in line)
+            head, row = (
+                [cell.strip() for cell in lines[i].strip("|").split("|")] for i in (at, at + 2)
+            )
+            assert row[head.index(label)].split(" ")[0] == number
+            assert f"{label.partition(' (')[0]} {number}" in re.search("Measured: .*", text)[0]
+
+
+def test_only_where_volume_counts_a_prompt_asks_to_spare_it() -> None:
+    for objective in get_args(Objective):
+        asked = text_of(SWIMMER, "morphology", objective=objective)
+        assert ("does not enter the score" in asked) == (objective != "efficiency")
+    saving = text_of(SWIMMER, "reward", objective="transport-economy")
+    assert "little energy" in saving and "it is the fitness of" not in saving
 
 
 def test_what_fitness_is_follows_the_task() -> None:
