@@ -336,6 +336,29 @@ def test_what_starts_and_ends_an_episode_is_said(kind: str) -> None:
     assert "ends early only if the simulation diverges" in text_of(SWIMMER, kind)
 
 
+@pytest.mark.parametrize("name", ["hopper", "walker"])
+def test_the_limits_of_the_whole_state_are_said(name: str) -> None:
+    assert "any velocity leaves -100 to 100 (rad, m/s, rad/s)" in episode_facts(get_task(name))
+    assert "any velocity" not in episode_facts(get_task("ant"))
+
+
+def test_where_the_parts_vary_none_of_the_reference_is_told_for_a_fact() -> None:
+    crawler = get_task("crawler")
+    asked = text_of(crawler, "reward")
+    assert "How many parts the robot has depends on the morphology" in asked
+    assert "joints by name" not in asked and "`self.data.qpos` has 15 numbers" not in asked
+    assert "lower than 0.3 times its height at the start or higher than 3 times" in asked
+    asked = text_of(crawler, "morphology")
+    assert "| number of legs (a whole number) |" in asked
+    assert "lower than 0.3 times its height at the start" in asked
+
+
+@EACH
+def test_where_the_parts_are_fixed_their_indices_are_facts(task: Task) -> None:
+    assert "How many parts" not in robot_layout(task)
+    assert "a whole number" not in text_of(task, "morphology")
+
+
 def test_a_limit_that_depends_on_the_morphology_shows_no_number_of_the_reference() -> None:
     odd = dataclasses.replace(
         get_task("ant"),

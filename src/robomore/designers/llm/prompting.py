@@ -164,7 +164,9 @@ def _base(task: Task, part: str, objective: str, training: TrainingFacts | None)
             **shared,
         )
     rows = [
-        f"| {p.name} | {p.meaning} | {p.unit} | {p.low:g} | {p.high:g} |" for p in task.parameters
+        f"| {p.name} | {p.meaning}{' (a whole number)' if p.whole else ''} | {p.unit} | {p.low:g} "
+        f"| {p.high:g} |"
+        for p in task.parameters
     ]
     head = ["| name | meaning | unit | least | most |", "|---|---|---|---|---|"]
     rules = "Any numbers within these bounds make a valid morphology."
