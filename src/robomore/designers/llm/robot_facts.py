@@ -26,8 +26,8 @@ _FREE_PARTS = (
 _ONE_OF_MANY = (
     "How many parts the robot has depends on the morphology. What follows is one morphology, as an "
     "example; others have more parts or fewer, and then the same index is another part. So write "
-    "no index but the root's into the code: ask for parts by name where they exist, or go through all that there "
-    "are."
+    "no index but the root's into the code: ask for parts by name where they exist, or go through "
+    "all that there are."
 )
 
 
