@@ -225,7 +225,11 @@ SCORES = {
     "efficiency": ("efficiency (m/m³)", "2.5", "The score is the efficiency."),
     "fitness": ("fitness (m)", "3", "The score is the fitness."),
     # 4 kg that go 5 m for 98.1 J.
-    "transport-economy": ("transport economy (no unit)", "2", "but the transport economy: mass"),
+    "transport-economy": (
+        "transport economy (no unit)",
+        "2",
+        "The score is the transport economy: mass",
+    ),
 }
 
 

@@ -42,7 +42,7 @@ OBJECTIVES = {
     ),
     "transport-economy": ObjectiveWords(
         "transport economy",
-        "The score is neither of these but the transport economy: mass * 9.81 m/s² * forward "
+        "The score is the transport economy: mass * 9.81 m/s² * forward "
         "distance / energy. It has no unit. The energy is the absolute power of the motors, summed "
         "over all of them and over an episode, in J; braking costs as much as driving. Less than "
         "1 m of distance scores 0. Make the transport economy as high as you can.",
