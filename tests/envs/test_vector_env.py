@@ -228,15 +228,17 @@ def test_a_blow_up_is_not_paid_for(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.chdir(tmp_path)
     task = get_task("half-cheetah")
 
-    def fast(self: object, x_velocity: float, action: object) -> tuple[float, dict[str, float]]:
-        return x_velocity, {}
+    def mean_speed(self, x_velocity: float, action: object) -> tuple[float, dict[str, float]]:
+        speed = self.data.qpos[0] / self.data.time + 1.0  # no number in the starting pose
+        return speed, {"speed": speed}
 
-    batch = VectorEnv(task, task.reference, 2, fast)
+    batch = VectorEnv(task, task.reference, 2, mean_speed)
     batch.reset(0)
     batch.data[1].qvel[0] = 1e12
     step = batch.step(np.zeros((2, batch.action_size)))
     assert batch.diverged.tolist() == [False, True]
-    assert step.reward[1] == 0.0
+    assert step.reward[0] > 0.5 and step.reward[1] == 0.0
+    assert batch.reward_sums()["speed"][0] == 1
 
 
 def test_what_is_stepped_after_its_episode_counts_no_more() -> None:

@@ -66,6 +66,8 @@ def test_reference_rewards_pass(task: str) -> None:
         ("from numpy import random\nreturn 0.0, {}", 2, "`self.np_random`"),
         ("from functools import lru_cache\nreturn 0.0, {}", 2, "`functools.lru_cache`"),
         ("return float(id(self)), {}", 2, "`id` is not for rewards"),
+        ("global vars\nvars = 1.0\nreturn vars, {}", 4, "`vars` is not for rewards"),
+        ("class A:\n    input = input\nreturn 0.0, {}", 3, "`input` is not for rewards"),
         ("key = hash\nreturn float(key('a')), {}", 2, "`hash` is not for rewards"),
         ("return np.random.rand(), {}", 2, "draw from `self.np_random`"),
         ("draw = getattr(np, 'random').rand\nreturn draw(), {}", 2, "draw from `self.np_random`"),
@@ -125,6 +127,12 @@ def test_reference_rewards_pass(task: str) -> None:
 def test_says_what_is_wrong_and_where(text: str, line: int, words: str) -> None:
     found = errors(body(text))
     assert any(it.line == line and words in it.message for it in found), found
+
+
+def test_a_local_name_of_a_builtin_is_no_use_of_it() -> None:
+    kept = "def of(vars, *, input=0.0):\n    return sum(vars) + input\nid = of([1.0])\n"
+    kept += "total = sum(hash for hash in action) + (lambda open: open)(id)\nreturn total, {}"
+    assert not errors(body(kept))
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,9 @@ class Replay:
             states, speeds, actions = (part[self.order] for part in self.steps[step])
             for data, state in zip(self.data, states, strict=True):
                 data.qpos[:], data.qvel[:] = np.split(state, [len(data.qpos)])
-            given.append(self.runner(speeds, actions, np.ones(2, np.bool_)).tolist())
+            given.append(
+                self.runner(speeds, actions, np.ones(2, np.bool_), np.zeros(2, np.bool_)).tolist()
+            )
             if step % EPISODE == EPISODE - 1:
                 self.runner.reset(0)
         return given

@@ -65,6 +65,28 @@ def test_a_training_that_would_learn_nothing_is_refused(steps: int) -> None:
     ensure_trainer(TrainerSettings("sac"))
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"buffer_size": 10}, "buffer_size = 10 .*num_envs = 16.*at least 16"),
+        ({"buffer_size": 7, "num_envs": 8}, "at least 8"),
+        ({"num_eval_checkpoints": 17}, "num_eval_checkpoints.*16"),
+        ({"num_eval_checkpoints": 0}, "num_eval_checkpoints.*1"),
+    ],
+)
+@pytest.mark.parametrize("name", ["crossq", "sac"])
+def test_what_cannot_work_is_refused_with_the_range(
+    name: str, options: dict[str, int], words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        settings_from(TrainerSettings(name, options))
+
+
+def test_the_least_buffer_and_the_most_checkpoints_are_taken() -> None:
+    options = {"buffer_size": 16, "num_eval_checkpoints": 16}
+    assert settings_from(TrainerSettings("crossq", options)).buffer_size == 16
+
+
 def test_a_missing_package_is_named_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     needing = settings.Algorithm(
         CrossQSettings, "robomore.training.crossq:CrossQ", ("json", "no_such_package"), "buy one"

@@ -18,8 +18,13 @@ def _get_rew(self, x_velocity: float, action):
 '''
 
 
-def own_robot_source(made: OwnRobotEnvironment) -> str:
-    """Return the public face of `OwnRobotEnv` as a class without bodies, with the robot's names."""
+def own_robot_source(made: OwnRobotEnvironment, named: bool = True) -> str:
+    """Return the public face of `OwnRobotEnv` as a class without bodies.
+
+    Args:
+        made: the robot.
+        named: whether the names of its joints and sensors are told.
+    """
     (module,) = ast.parse(inspect.getsource(OwnRobotEnv)).body
     assert isinstance(module, ast.ClassDef)
     methods = [
@@ -36,7 +41,9 @@ def own_robot_source(made: OwnRobotEnvironment) -> str:
         "sensors": made.sensor_names,
     }
     told = "".join(
-        f"\n\n{kind} by name: {', '.join(found)}" for kind, found in names.items() if found
+        f"\n\n{kind} by name: {', '.join(found)}"
+        for kind, found in names.items()
+        if found and named
     )
     doc = (ast.get_docstring(module) or "") + told + "\n"
     robot = ast.ClassDef(

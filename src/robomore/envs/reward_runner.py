@@ -109,13 +109,20 @@ class RewardRunner:
         if isinstance(reward, RewardProgram):
             self._outside = Outside(self._robot, inherited.values(), self._fixed)
 
-    def __call__(self, x_velocity: Array, actions: Array, healthy: NDArray[np.bool_]) -> Array:
+    def __call__(
+        self,
+        x_velocity: Array,
+        actions: Array,
+        healthy: NDArray[np.bool_],
+        diverged: NDArray[np.bool_],
+    ) -> Array:
         """Return rewards (num_envs,) after a control step.
 
         Args:
             x_velocity: (num_envs,) in m/s.
             actions: (num_envs, action_size); each reward gets a copy of its own.
             healthy: (num_envs,) what `self.is_healthy` says, where the robot has it.
+            diverged: (num_envs,) where there is no state to judge, and the reward is 0.
 
         Raises:
             RewardFailed: with a diagnosis for the designer.
@@ -123,9 +130,12 @@ class RewardRunner:
         self._health[:] = map(self._health_type, healthy)
         record, isfinite = self._terms.add, math.isfinite
         rewards: list[float] = []
-        for reward, robot, speed, action in zip(
-            self._rewards, self._selves, x_velocity, actions, strict=True
+        for reward, robot, speed, action, nothing in zip(
+            self._rewards, self._selves, x_velocity, actions, diverged, strict=True
         ):
+            if nothing:
+                rewards.append(0.0)
+                continue
             try:
                 # A row of the array would lead, by its `base`, to the other simulations.
                 result = reward(robot, speed, action.copy())

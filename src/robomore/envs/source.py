@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import inspect
 import math
+import re
 import sys
 import textwrap
 from collections.abc import Iterator
@@ -44,7 +45,8 @@ def environment_source(task: Task) -> str:
     """
     ours = environment_class(task)
     if issubclass(ours, OwnRobotEnvironment):
-        return own_robot_source(ours(task, task.reference, lambda self, speed, action: (0.0, {})))
+        made = ours(task, task.reference, lambda self, speed, action: (0.0, {}))
+        return own_robot_source(made, named=not parts_vary(task))
     official = next(base for base in ours.__mro__ if base.__module__.startswith("gymnasium."))
     module = ast.parse(inspect.getsource(sys.modules[official.__module__]))
     module.body = [node for node in module.body if _belongs(node, official.__name__)]
@@ -54,6 +56,11 @@ def environment_source(task: Task) -> str:
     _cut_reward(robot)
     _set_options(_methods(robot)["__init__"], task)
     return ast.unparse(ast.fix_missing_locations(module)) + "\n"
+
+
+def parts_vary(task: Task) -> bool:
+    """Return whether the parameters of a task say how many parts its robot has."""
+    return re.search(r'<repeat\b[^>]*\bcount="[^"]*\{', task.masked_mjcf) is not None
 
 
 def _belongs(node: ast.stmt, name: str) -> bool:

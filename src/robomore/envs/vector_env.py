@@ -42,8 +42,8 @@ class VectorEnv:
     """`num_envs` simulations of one morphology under one reward (a `TrainingEnv`).
 
     A simulation whose physics diverges (numbers that are not finite, or beyond `DIVERGED`) ends its
-    episode as terminated, in the starting pose: such a step moves nothing forward. Only when that
-    happens again and again does `step` raise.
+    episode as terminated, in the starting pose. The reward is not called for such a step, which
+    gets a reward of 0. Only when that happens again and again does `step` raise.
 
     Attributes:
         num_envs: environments that are stepped together.
@@ -220,9 +220,7 @@ class VectorEnv:
             reward = np.zeros(self.num_envs)
         else:
             x_velocity = (self._position - before) / self._dt
-            if diverged:
-                x_velocity[self.diverged] = 0.0
-            reward = self.reward_runner(x_velocity, applied, self.healthy)
+            reward = self.reward_runner(x_velocity, applied, self.healthy, self.diverged)
         self._now += 1
         self._left -= 1
         truncated, ended = np.zeros(self.num_envs, np.bool_), terminated

@@ -37,7 +37,7 @@ from robomore.text import one_line, to_json
 from robomore.training.checkpoint import drop_older
 from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.policy import MLPPolicy
-from robomore.training.settings import settings_from
+from robomore.training.settings import MOST_EVAL_CHECKPOINTS, settings_from
 from robomore.training.warm import Shape
 from robomore.types import Evaluation, Job, Status
 
@@ -167,14 +167,10 @@ def _policies(job: Job, robot: VectorEnv, scratch: Path) -> Iterator[MLPPolicy]:
         ValueError: one of them is no policy such as this trainer leaves.
     """
     hidden = getattr(settings_from(job.trainer), "net_arch", None)
-    for path in sorted(scratch.glob(POLICIES))[-_MOST:]:
+    for path in sorted(scratch.glob(POLICIES))[-MOST_EVAL_CHECKPOINTS:]:
         policy = MLPPolicy.load(path)
         if policy.sizes[0] != robot.observation_size or policy.sizes[-1] != robot.action_size:
             raise ValueError(f"{path.name} does not fit the robot")
         if hidden is not None and policy.sizes[1:-1] != tuple(hidden):
             raise ValueError(f"{path.name} has other layers than this trainer's")
         yield policy
-
-
-_MOST = 16
-"""Policies that are looked at, whatever a child leaves."""

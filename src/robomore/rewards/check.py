@@ -13,7 +13,13 @@ from collections.abc import Iterator
 from robomore.rewards.characters import check_characters
 from robomore.rewards.finding import Finding
 from robomore.rewards.module_rules import module_uses
-from robomore.rewards.rules import RULES, changed_imports, kept_attributes, never_at_the_start
+from robomore.rewards.rules import (
+    RULES,
+    builtins_used,
+    changed_imports,
+    kept_attributes,
+    never_at_the_start,
+)
 
 __all__ = ["LONGEST", "NAME", "Finding", "check_reward", "why_unparsed"]
 
@@ -25,7 +31,7 @@ LONGEST = 50_000
 def check_reward(source: str) -> list[Finding]:
     """Return what is wrong with the text of a reward, in the order of its lines.
 
-    The text is parsed and never executed.
+    The text is compiled and never executed.
 
     Args:
         source: program text that should define `_get_rew(self, x_velocity, action)`.
@@ -47,6 +53,7 @@ def check_reward(source: str) -> list[Finding]:
         said = str(error) or "it is nested too deeply"
         return [Finding(1, "error", f"does not parse: {said}")]
     findings = {*_check_function(tree), *changed_imports(tree), *module_uses(tree)}
+    findings.update(builtins_used(tree))
     for node in ast.walk(tree):
         for rule in RULES:
             findings.update(rule(node))

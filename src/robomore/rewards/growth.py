@@ -45,7 +45,8 @@ def growth(env: VectorEnv, before: dict[str, Amount], episode_steps: int) -> dic
     if not suspects or runner is None:
         return {}
     seen, seconds = [now], [0.0]
-    still = np.zeros(env.num_envs), np.zeros((env.num_envs, env.action_size)), env.healthy
+    speeds, actions = np.zeros(env.num_envs), np.zeros((env.num_envs, env.action_size))
+    still = speeds, actions, env.healthy, np.zeros(env.num_envs, np.bool_)
     began = time.thread_time()
     try:
         for _ in range(2):

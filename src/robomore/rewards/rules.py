@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+import dis
+import warnings
 from collections.abc import Callable, Iterator
+from types import CodeType
 
 from robomore.envs.reward_modules import DRAW, MODULES, STANDARD
 from robomore.rewards.finding import Finding
@@ -55,14 +58,15 @@ _CALLS = {
 }
 
 
+_LOOKUPS = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_CLASSDEREF", "LOAD_FROM_DICT_OR_GLOBALS")
+"""Instructions that come to the builtins where nothing nearer has the name."""
+
 _PLAIN_DUNDERS = frozenset({"__name__", "__debug__", "__slots__", "__init__", "__post_init__"})
 """Names with underscores that a class of one's own needs."""
 
 
 def _names(node: ast.AST) -> Iterator[Finding]:
     match node:
-        case ast.Name(id=name, ctx=ast.Load()) if name in _CALLS:
-            yield Finding(node.lineno, "error", f"`{name}` is not for rewards: {_CALLS[name]}")
         case ast.Name(id=name) if _dunder(name) and name not in _PLAIN_DUNDERS:
             yield Finding(node.lineno, "error", f"`{name}` is not for rewards")
         case ast.Call(func=ast.Name(id="print")):
@@ -183,6 +187,31 @@ RULES: tuple[Callable[[ast.AST], Iterator[Finding]], ...] = (
     _writes,
 )
 """Each is given one node of the syntax tree."""
+
+
+def builtins_used(tree: ast.Module) -> Iterator[Finding]:
+    """Find each use of a builtin that is not for rewards.
+
+    A function's own `id` or `input` is none. The compiler tells them apart: what a function binds
+    itself, as an argument for example, it never looks up among the builtins.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            waiting = [compile(tree, "<reward>", "exec", dont_inherit=True, optimize=0)]
+    except SyntaxError as error:  # what parses need not compile
+        yield Finding(error.lineno or 1, "error", error.msg)
+        return
+    except (ValueError, RecursionError, MemoryError) as error:
+        yield Finding(1, "error", str(error) or "it is nested too deeply")
+        return
+    while waiting:
+        code = waiting.pop()
+        waiting += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
+        for step in dis.get_instructions(code):
+            name, line = step.argval, step.positions and step.positions.lineno
+            if step.opname in _LOOKUPS and name in _CALLS:
+                yield Finding(line or 1, "error", f"`{name}` is not for rewards: {_CALLS[name]}")
 
 
 def changed_imports(tree: ast.Module) -> Iterator[Finding]:

@@ -26,6 +26,9 @@ from robomore.types import TrainerSettings
 Count = Annotated[int, msgspec.Meta(ge=1)]
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Fraction = Annotated[float, msgspec.Meta(ge=0, lt=1)]
+MOST_EVAL_CHECKPOINTS = 16
+"""Policies of one training that are looked at."""
+EvalCheckpoints = Annotated[int, msgspec.Meta(ge=1, le=MOST_EVAL_CHECKPOINTS)]
 PositiveFraction = Annotated[float, msgspec.Meta(gt=0, le=1)]
 
 
@@ -85,9 +88,16 @@ class LoopSettings(OffPolicySettings):
     policy_ema_fraction: Fraction = 0.0
     """The policy that is returned is an exponential moving average over about this last fraction of
     the learning; 0 returns the last policy itself."""
-    num_eval_checkpoints: Count = 1
+    num_eval_checkpoints: EvalCheckpoints = 1
     """Policies that are returned: one from the end of training, the others from shortly before. The
     one that does best in episodes of their own is measured."""
+
+    def __post_init__(self) -> None:
+        if self.buffer_size < self.num_envs:
+            raise InputError(
+                f"buffer_size = {self.buffer_size} holds no step of all environments (num_envs = "
+                f"{self.num_envs}); give at least {self.num_envs}, or fewer environments"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +117,7 @@ class CrossQSettings(LoopSettings):
     n_steps: Count = 3
     normalize_rewards: bool = True
     policy_ema_fraction: Fraction = 0.1
-    num_eval_checkpoints: Count = 4
+    num_eval_checkpoints: EvalCheckpoints = 4
     min_q_weight: Annotated[float, msgspec.Meta(ge=-1, le=1)] = 0.0
     """Weight of the smallest of several critics' values against their mean: 1 is the usual minimum.
     Below 0, what the critics disagree about counts as good and is tried."""
@@ -132,6 +142,7 @@ class CrossQSettings(LoopSettings):
     """Gradient steps with plain batch normalisation, before batch renormalisation corrects it."""
 
     def __post_init__(self) -> None:
+        LoopSettings.__post_init__(self)  # with slots, `super()` does not know the class
         if self.num_bins == 1 or (self.num_bins and not self.normalize_rewards):
             raise InputError(
                 f"num_bins = {self.num_bins}: critics tell at least 2 ranges of values apart, of "

@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 import re
 from importlib import resources
+from typing import get_args
 from xml.etree import ElementTree
 
 import pytest
@@ -30,6 +31,7 @@ from robomore.envs.robots import environment_class
 from robomore.envs.source import environment_source
 from robomore.errors import InputError
 from robomore.llm.tokens import estimate_tokens
+from robomore.settings import Objective
 from robomore.tasks import Task, get_task
 from robomore.types import Morphology, Reward
 
@@ -219,9 +221,48 @@ def test_a_cut_history_says_so() -> None:
     assert "taken in turn (the best by score; the worst by score)" in prompt
 
 
-@pytest.mark.parametrize("objective", ["efficiency", "fitness"])
-def test_the_objective_is_said(objective: str) -> None:
-    assert f"The score is the {objective}." in text_of(SWIMMER, "morphology", objective=objective)
+SCORES = {
+    "efficiency": ("efficiency (m/m³)", "2.5", "The score is the efficiency."),
+    "fitness": ("fitness (m)", "3", "The score is the fitness."),
+    # 4 kg that go 5 m for 98.1 J.
+    "transport-economy": (
+        "transport economy (no unit)",
+        "2",
+        "The score is the transport economy: mass",
+    ),
+}
+
+
+@pytest.mark.parametrize("objective", get_args(Objective))
+def test_the_objective_is_said_and_each_score_shown_by_its_name(objective: str) -> None:
+    label, number, sentence = SCORES[objective]
+    best = dataclasses.replace(
+        evaluation(middle(SWIMMER), reward(), 3.0),
+        efficiency=2.5,
+        body={"mass": 4.0},
+        behaviour={"forward_distance_m": 5.0, "energy_j": 98.1},
+    )
+    for kind in KINDS:
+        given = {"best": best, "measured": [best]} if kind.startswith("improve") else {}
+        text = text_of(SWIMMER, kind, objective=objective, **given)
+        assert sentence in text
+        if given:
+            assert f"the order is that of the score, the {label}." in text
+            lines = text.split("\n")
+            at = next(i for i, line in enumerate(lines) if "| volume (m³) |" in line)
+            head, row = (
+                [cell.strip() for cell in lines[i].strip("|").split("|")] for i in (at, at + 2)
+            )
+            assert row[head.index(label)].split(" ")[0] == number
+            assert f"{label.partition(' (')[0]} {number}" in re.search("Measured: .*", text)[0]
+
+
+def test_only_where_volume_counts_a_prompt_asks_to_spare_it() -> None:
+    for objective in get_args(Objective):
+        asked = text_of(SWIMMER, "morphology", objective=objective)
+        assert ("does not enter the score" in asked) == (objective != "efficiency")
+    saving = text_of(SWIMMER, "reward", objective="transport-economy")
+    assert "little energy" in saving and "it is the fitness of" not in saving
 
 
 def test_what_fitness_is_follows_the_task() -> None:
@@ -297,6 +338,29 @@ def test_what_starts_and_ends_an_episode_is_said(kind: str) -> None:
     hopper = text_of(get_task("hopper"), kind)
     assert re.search(r"lower than 0\.\d+ times its height at the start or its angle", hopper)
     assert "ends early only if the simulation diverges" in text_of(SWIMMER, kind)
+
+
+@pytest.mark.parametrize("name", ["hopper", "walker"])
+def test_the_limits_of_the_whole_state_are_said(name: str) -> None:
+    assert "any velocity leaves -100 to 100 (rad, m/s, rad/s)" in episode_facts(get_task(name))
+    assert "any velocity" not in episode_facts(get_task("ant"))
+
+
+def test_where_the_parts_vary_none_of_the_reference_is_told_for_a_fact() -> None:
+    crawler = get_task("crawler")
+    asked = text_of(crawler, "reward")
+    assert "How many parts the robot has depends on the morphology" in asked
+    assert "joints by name" not in asked and "`self.data.qpos` has 15 numbers" not in asked
+    assert "lower than 0.3 times its height at the start or higher than 3 times" in asked
+    asked = text_of(crawler, "morphology")
+    assert "| number of legs (a whole number) |" in asked
+    assert "lower than 0.3 times its height at the start" in asked
+
+
+@EACH
+def test_where_the_parts_are_fixed_their_indices_are_facts(task: Task) -> None:
+    assert "How many parts" not in robot_layout(task)
+    assert "a whole number" not in text_of(task, "morphology")
 
 
 def test_a_limit_that_depends_on_the_morphology_shows_no_number_of_the_reference() -> None:

@@ -21,8 +21,13 @@ _MOST_BLOCKS = 20
 """Blocks of code that are looked at. An answer has a few, hostile text has thousands."""
 
 _LEFT_OUT = re.compile(
-    r"#[ \t]*(?:\.{3}|…).{0,60}\b(?:rest|remain\w*|same|before|unchanged|previous|existing)\b", re.I
+    r"#[ \t]*(?:\.{3}|…)(?=.{0,60}\b(?:rest|remain\w*|same|before|unchanged|previous|existing)\b)"
+    r"(?:[^\w\n]*\b(?:the|all|and|keep|other|everything|else|rest|remain\w*|same|as|is|are|stays?|of|"
+    r"your|here|before|above|unchanged|previous|existing|code|lines?|parts?|terms?|rewards?|function|"
+    r"computations?|calculations?|logic|implementation|omitted)\b)+[^\w\n]*$",
+    re.IGNORECASE | re.MULTILINE,
 )
+"""A comment that says no more than that the rest stays. Others may begin with dots, too."""
 _TAG = re.compile(r"</?(?:code|python|reward|function|reward_function|reward_code)>")
 _CODE_LINE = re.compile(
     r"(?:async\s+def|def|class)\s+\w+|(?:import|from)\s+[\w.]+|@\w|#|[A-Za-z_]\w*\s*(?::[^=]+)?=[^=]|"

@@ -253,7 +253,7 @@ class LLMDesigner:
                 with self._lock:
                     proposal = parse(exchange)
             except InvalidReply as invalid:
-                trouble = trouble or _without_design(exchange.reply, slot.kind)
+                trouble = trouble or _without_design(exchange.reply, slot.kind, self._task)
                 errors = _explained(invalid.errors, trouble)
                 self._client.set_errors(exchange, errors)
             else:
@@ -288,9 +288,9 @@ class LLMDesigner:
             )
 
 
-def _without_design(reply: str, kind: str) -> Trouble | None:
+def _without_design(reply: str, kind: str, task: Task) -> Trouble | None:
     """Return the trouble with a whole answer that holds no design, `None` if it holds one."""
-    why = unreadable(reply, kind)
+    why = unreadable(reply, kind, task)
     if not why:
         return None
     lines = [line for line in map(one_line, reply.splitlines()) if line]

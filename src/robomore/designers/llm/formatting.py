@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from statistics import stdev
 
+from robomore.designers.llm.objectives import OBJECTIVES
 from robomore.tasks.fitness import Fitness
 from robomore.tasks.task import Task
 from robomore.types import Curve, Evaluation, Morphology, Reward, Status
@@ -32,17 +33,18 @@ def evaluation_lines(
     evaluation: Evaluation,
     label: str,
     goal: Fitness,
+    objective: str,
     full: int = 0,
     curve: Curve | None = None,
 ) -> list[str]:
     """Return all that an evaluation measured, or why it failed. The first line starts with `label`.
 
-    `goal` is the task's. An evaluation with fewer training steps than `full` says so. `curve` is
-    its learning curve.
+    `goal` is the task's, `objective` what the search compares. An evaluation with fewer training
+    steps than `full` says so. `curve` is its learning curve.
     """
     if not evaluation.ok:
         return [f"{label}: {failure(evaluation)}"]
-    lines = [f"{label}: {score(evaluation, goal, full)}"]
+    lines = [f"{label}: {score(evaluation, goal, objective, full)}"]
     if evaluation.behaviour:
         moved = ", ".join(f"{name} {value:.4g}" for name, value in evaluation.behaviour.items())
         lines.append(f"  How it moved: {moved}")
@@ -74,17 +76,26 @@ def curve_line(curve: Curve) -> str:
     return f"  Learning curve by training steps: {'; '.join(said)}" if said else ""
 
 
-def score(evaluation: Evaluation, goal: Fitness, full: int = 0) -> str:
-    """Return efficiency, fitness and volume in words, and the steps if they are below `full`."""
-    efficiency, fitness, volume = (
+def score(evaluation: Evaluation, goal: Fitness, objective: str, full: int = 0) -> str:
+    """Return efficiency, fitness and volume in words, after the score if it is neither of these.
+
+    The steps of training follow if they are below `full`.
+    """
+    own, efficiency, fitness, volume = (
         "unknown" if value is None else f"{value:.4g}"
-        for value in (evaluation.efficiency, evaluation.fitness, evaluation.volume)
+        for value in (
+            evaluation.score(objective),
+            *(evaluation.efficiency, evaluation.fitness, evaluation.volume),
+        )
+    )
+    first = (
+        "" if objective in ("efficiency", "fitness") else f"{OBJECTIVES[objective].name} {own}, "
     )
     episodes = evaluation.episode_fitness
     # The spread is that over the episodes of one trained policy.
     spread = f" ± {stdev(episodes):.2g}" if len(episodes) > 1 else ""
     return (
-        f"efficiency {efficiency} {goal.per_volume} "
+        f"{first}efficiency {efficiency} {goal.per_volume} "
         f"({f'fitness {fitness}{spread} {goal.unit}'.rstrip()}, volume {volume} m³)"
         f"{_after(evaluation.job.steps, full)}"
     )

@@ -215,12 +215,17 @@ def _entries(
         there = [e for e in measured if not is_current(e.design)]
         lines = [f"## {heading} {number}", *describe(design)]
         for one in here:
-            lines += evaluation_lines(one, label, goal, full, curve_of(one.key))
+            lines += evaluation_lines(one, label, goal, objective, full, curve_of(one.key))
         # If none with the current partner succeeded, the best of the others is described in full.
         # All the others stand in the table.
         if not any(e.ok for e in here) and (shown := _best_of(there, objective)):
             lines += evaluation_lines(
-                shown, f"With {partner(shown.design)}, its best", goal, full, curve_of(shown.key)
+                shown,
+                f"With {partner(shown.design)}, its best",
+                goal,
+                objective,
+                full,
+                curve_of(shown.key),
             )
         text = "\n".join(lines)
         best = _best_of(measured, objective)

@@ -19,6 +19,7 @@ RewardCheck = Callable[[str], Sequence[Finding]]
 """Returns what is wrong with the program text of a reward."""
 
 _LONGEST_IDEA = 200
+_QUOTED_PARAMETERS = re.compile("[\"'\u201c-\u201f\u2018-\u201b;]parameters\\b")
 
 
 class InvalidReply(Exception):
@@ -35,8 +36,9 @@ def parse_morphology(
     """Return the morphology that a reply proposes.
 
     Args:
-        reply: JSON with `parameters` (by name, or a list in order) and `description`. Fences, prose
-            and comments around it are accepted, and values with units that measure the same.
+        reply: JSON with `parameters` (by name, or a list in order) and `description`, or with the
+            names of the parameters beside `description`. Fences, prose and comments around it are
+            accepted, and values with units that measure the same.
         task: the task, whose parameters, bounds and rules apply.
         taken: morphologies that must not be proposed again.
         truncated: whether the provider cut the reply off.
@@ -45,7 +47,7 @@ def parse_morphology(
         InvalidReply: the reply proposes no valid new morphology.
     """
     try:
-        found = find_object(reply, "parameters")
+        found = _morphology_in(reply, task)
     except NotFound as error:
         raise InvalidReply([*_truncation(truncated), str(error)]) from None
     try:
@@ -88,16 +90,17 @@ def parse_reward(
     return Reward(code.rstrip() + "\n", _idea(code))
 
 
-def unreadable(reply: str, kind: str) -> str:
+def unreadable(reply: str, kind: str, task: Task) -> str:
     """Return why nothing in a reply can be read as a design, or an empty text if something can.
 
     Args:
         reply: the answer of a model.
         kind: `morphology` or `reward`, which was asked for.
+        task: what it is to be designed for.
     """
     try:
         if kind == "morphology":
-            find_object(reply, "parameters")
+            _morphology_in(reply, task)
         else:
             find_code(reply, NAME)
     except Unreadable as error:
@@ -115,6 +118,27 @@ def error_messages(findings: Sequence[Finding]) -> list[str]:
 def messages(findings: Sequence[Finding]) -> list[str]:
     """Return findings as messages to a model, each with its line."""
     return [f"line {finding.line}: {finding.message}" for finding in findings]
+
+
+def _morphology_in(reply: str, task: Task) -> dict[str, Any]:
+    """Return the JSON object with `parameters`, also for one that has their names at its top.
+
+    Raises:
+        NotFound: there is none, or several differ.
+    """
+    try:
+        return find_object(reply, "parameters")
+    except Unreadable as error:
+        first = next((name for name in task.names if name in reply), None)
+        # Beside `parameters` in quotes the names may stand in a piece of what was meant.
+        if first is None or _QUOTED_PARAMETERS.search(reply):
+            raise
+        try:
+            found = find_object(reply, first)
+        except Unreadable:
+            raise error from None
+    named = {name: value for name, value in found.items() if name in task.names}
+    return {**found, "parameters": named}
 
 
 def _refuse_repeats(kind: str, same: list[bool]) -> None:

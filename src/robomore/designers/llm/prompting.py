@@ -26,6 +26,7 @@ from robomore.designers.llm.history import (
     reward_entries,
     select,
 )
+from robomore.designers.llm.objectives import OBJECTIVES, score_label
 from robomore.designers.llm.robot_facts import episode_facts, robot_layout, volume_line
 from robomore.designers.llm.score_table import Numbers, score_table, spread_sentence
 from robomore.designers.llm.training_facts import TrainingFacts
@@ -40,13 +41,6 @@ KINDS = ("morphology", "reward", "improve-morphology", "improve-reward")
 
 _TABLE_FRACTION = 0.5
 """Part of the history's tokens that the table of all results may take."""
-
-_OBJECTIVES = {
-    "efficiency": "The score is the efficiency. Make it as high as you can.",
-    "fitness": "The score is the fitness. Make it as high as you can.",
-    "transport-economy": "The score is the transport economy: mass * 9.81 m/s² * distance / energy "
-    "of the motors (1 / cost of transport), and 0 for less than 1 m. Make it as high as you can.",
-}
 
 
 def render_prompt(
@@ -67,7 +61,7 @@ def render_prompt(
     Args:
         task: the task to design for.
         kind: one of `KINDS`.
-        objective: what the search compares, `efficiency` or `fitness`.
+        objective: what the search compares.
         earlier: proposals that the new one must differ from (Diversity Reflection). Improvements
             do not use it.
         best: the evaluation to improve on. Only improvements use it.
@@ -149,11 +143,12 @@ def _template(name: str) -> string.Template:
 
 
 def _base(task: Task, part: str, objective: str, training: TrainingFacts | None) -> str:
+    words = OBJECTIVES[objective]
     shared = {
         "description": task.description,
         "episode_steps": f"{task.episode_steps:,}",
         "fitness": _fitness(task),
-        "objective": _OBJECTIVES[objective],
+        "objective": words.what,
         "training": f"{training}\n\n" if training else "",
         "episodes": episode_facts(task),
     }
@@ -165,10 +160,13 @@ def _base(task: Task, part: str, objective: str, training: TrainingFacts | None)
             "reward",
             environment=environment_source(task).strip(),
             layout=robot_layout(task),
+            asked=words.reward,
             **shared,
         )
     rows = [
-        f"| {p.name} | {p.meaning} | {p.unit} | {p.low:g} | {p.high:g} |" for p in task.parameters
+        f"| {p.name} | {p.meaning}{' (a whole number)' if p.whole else ''} | {p.unit} | {p.low:g} "
+        f"| {p.high:g} |"
+        for p in task.parameters
     ]
     head = ["| name | meaning | unit | least | most |", "|---|---|---|---|---|"]
     rules = "Any numbers within these bounds make a valid morphology."
@@ -179,6 +177,7 @@ def _base(task: Task, part: str, objective: str, training: TrainingFacts | None)
     return render(
         "morphology",
         mjcf=task.masked_mjcf.strip(),
+        material=words.material,
         parameters="\n".join([*head, *rows]),
         rules=rules,
         form=f'{{"parameters": {{{names}}}, "description": "…"}}',
@@ -202,10 +201,6 @@ def _diversity(task: Task, part: str, earlier: Sequence[Morphology | Reward]) ->
             lines = reward_lines(proposal)
         shown.append("\n".join([f"## Number {number}", *lines]))
     return render(f"diversity-{part}", count=str(len(earlier)), earlier="\n\n".join(shown))
-
-
-def _measured(task: Task, best: Evaluation, curve_of: CurveOf) -> list[str]:
-    return evaluation_lines(best, "Measured", task.goal, curve=curve_of(best.key))
 
 
 def _improve(
@@ -244,6 +239,7 @@ def _improve(
     results = render(
         "results",
         table=table,
+        score=score_label(objective, task.goal),
         spread=spread_sentence(measured, objective),
         rewards="\n".join(numbers.reward_ideas()),
     )
@@ -259,7 +255,12 @@ def _improve(
         selection += "\n\n" + render("fewer-steps", steps=f"{full:,}")
     return render(
         f"improve-{part}",
-        best="\n".join([*improved, *_measured(task, best, curve_of)]),
+        best="\n".join(
+            [
+                *improved,
+                *evaluation_lines(best, "Measured", task.goal, objective, curve=curve_of(best.key)),
+            ]
+        ),
         results=results,
         history=selected.entries,
         selection=selection,

@@ -23,20 +23,32 @@ _FREE_PARTS = (
 )
 
 
+_ONE_OF_MANY = (
+    "How many parts the robot has depends on the morphology. What follows is one morphology, as an "
+    "example; others have more parts or fewer, and then the same index is another part. So write "
+    "no index but the root's into the code: ask for parts by name where they exist, or go through "
+    "all that there are."
+)
+
+
 def robot_layout(task: Task) -> str:
     """Return the joints, bodies, geoms, motors and sensors of the robot with their indices."""
     import mujoco
 
     from robomore.envs.compile import compile_model
+    from robomore.envs.source import parts_vary
 
-    model = compile_model(task, task.reference)
+    vary = parts_vary(task)
+    other = _second(task) if vary else None
+    model = other.model if other is not None else compile_model(task, task.reference)
     # A limit that depends on the morphology would tell of the reference morphology.
     fixed = not re.search(r'\b(range|gear)="[^"]*\{', task.masked_mjcf)
 
     def name(kind: mujoco.mjtObj, index: int) -> str:
         return mujoco.mj_id2name(model, kind, index) or f"(number {index})"
 
-    lines = [
+    lines = [_ONE_OF_MANY, ""] if vary else []
+    lines += [
         f"`self.data.qpos` has {model.nq} numbers, `self.data.qvel` has {model.nv}. A joint holds "
         "these of them:",
         "",
@@ -128,7 +140,8 @@ def episode_facts(task: Task) -> str:
     if not getattr(made, "_terminate_when_unhealthy", False):
         lines.append("- An episode ends early only if the simulation diverges.")
         return "\n".join(lines)
-    limits = [limit for limit in (_height_limit(task, made), _angle_limit(made)) if limit]
+    each = (_height_limit(task, made), _angle_limit(made), _state_limit(made))
+    limits = [limit for limit in each if limit]
     if limits:
         lines.append(
             f"- An episode ends early, and the rest of it is lost, once {' or '.join(limits)}, or "
@@ -169,6 +182,13 @@ def _angle_limit(made: Any) -> str:
     return f"its angle leaves {limits[0]:g} to {limits[1]:g} rad"
 
 
+def _state_limit(made: Any) -> str:
+    limits = getattr(made, "_healthy_state_range", None)
+    if limits is None or not all(map(math.isfinite, limits)):
+        return ""
+    return f"another angle or any velocity leaves {limits[0]:g} to {limits[1]:g} (rad, m/s, rad/s)"
+
+
 def _environment(task: Task, parameters: Sequence[float]) -> Any:
     from robomore.envs.robots import environment_class
 
@@ -180,7 +200,12 @@ def _second(task: Task) -> Any:
     from robomore.errors import InvalidMorphology
 
     for scale in (1.05, 0.95, 1.02):
-        values = [min(max(scale * p.reference, p.low), p.high) for p in task.parameters]
+        values = [
+            (p.reference + 1 if p.reference < p.high else p.reference - 1)
+            if p.whole
+            else min(max(scale * p.reference, p.low), p.high)
+            for p in task.parameters
+        ]
         try:
             return _environment(task, task.check(values))
         except InvalidMorphology:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from statistics import fmean, median, stdev
 
 from robomore.designers.llm.formatting import failure
+from robomore.designers.llm.objectives import score_label
 from robomore.designers.llm.tables import table
 from robomore.llm.tokens import estimate_tokens
 from robomore.tasks.task import Task
@@ -69,7 +70,7 @@ def score_table(
 
     Args:
         task: the task.
-        objective: what decides the order, `efficiency` or `fitness`.
+        objective: what decides the order.
         history: all evaluations.
         numbers: of their morphologies and rewards.
         tokens: the most that the table may take.
@@ -77,12 +78,11 @@ def score_table(
     """
     rows = _rows(history, objective)
     full = max((row.steps for row in rows), default=0)
-    goal = task.goal
-    fitness = f"fitness ({goal.unit})" if goal.unit else "fitness"
-    head = [f"efficiency ({goal.per_volume})", fitness, "volume (m³)"]
+    shown = dict.fromkeys((objective, "efficiency", "fitness"))
+    head = [*(score_label(name, task.goal) for name in shown), "volume (m³)"]
     head += ["morphology", "reward", "trained"]
     head += [*(task.names if parameters else ()), "what happened"]
-    cells = [_cells(task, row, numbers, full, parameters) for row in rows]
+    cells = [_cells(task, row, numbers, full, parameters, list(shown)) for row in rows]
     kept = len(cells)
     lines = table(head, cells)
     cost = [estimate_tokens(line + "\n") for line in lines]
@@ -129,7 +129,14 @@ def _rows(history: Sequence[Evaluation], objective: str) -> list[_Row]:
     return rows
 
 
-def _cells(task: Task, row: _Row, numbers: Numbers, full: int, parameters: bool) -> list[str]:
+def _cells(
+    task: Task,
+    row: _Row,
+    numbers: Numbers,
+    full: int,
+    parameters: bool,
+    shown: Sequence[str],
+) -> list[str]:
     first = row.seeds[0]
     values = [f"{value:.4g}" for value in row.design.morphology.parameters] if parameters else []
     names = [
@@ -137,12 +144,17 @@ def _cells(task: Task, row: _Row, numbers: Numbers, full: int, parameters: bool)
         numbers.reward(row.design).partition(" ")[2],
     ]
     if row.score is None:
-        return ["", "", "", *names, "", *values, failure(first)[:_LONGEST_NOTE]]
+        return [*("" for _ in shown), "", *names, "", *values, failure(first)[:_LONGEST_NOTE]]
     trained = "100 %" if row.steps == full else f"{100 * row.steps / full:.0f} %"
-    fitness = ", ".join(_with_spread(e) for e in row.seeds)
-    efficiency = ", ".join(f"{e.efficiency or 0.0:.4g}" for e in row.seeds)
+    scores = [
+        ", ".join(
+            _with_spread(e) if name == "fitness" else f"{e.score(name) or 0.0:.4g}"
+            for e in row.seeds
+        )
+        for name in shown
+    ]
     volume = f"{first.volume or 0.0:.4g}"
-    return [efficiency, fitness, volume, *names, trained, *values, fall(first)]
+    return [*scores, volume, *names, trained, *values, fall(first)]
 
 
 def _with_spread(evaluation: Evaluation) -> str:

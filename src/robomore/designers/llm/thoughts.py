@@ -7,7 +7,9 @@ a new vendor's mark is understood too.
 
 from __future__ import annotations
 
+import ast
 import re
+import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
@@ -32,6 +34,7 @@ _MARK = re.compile(
 _FENCED = re.compile(
     r"^(?P<fence>`{3,}|~{3,})(?:think|thinking|thoughts?|reasoning|analysis)\s*$", re.MULTILINE
 )
+_FENCE_LINE = re.compile(r"^[ \t]*(?:`{3,}|~{3,})[ \t]*([^`~\n]*)$", re.MULTILINE)
 _HEADING = re.compile(
     r"^[ \t]*(?:[#>*_]+[ \t]*)*(?:here is my |my |the )?"
     r"(?:final\b[\w ]{0,30}|answer|response|solution|improved version|corrected version)"
@@ -128,8 +131,11 @@ def _marks(text: str) -> Iterator[_Mark]:
     first = len(text) - len(text.lstrip())
     bare_channels = text.startswith("analysis", first)
     closed = set(re.findall(r"\[/([A-Za-z][\w:▁-]{0,40})\]", text))
+    code = _code(text)
     for found in _MARK.finditer(text):
         start, end = found.span()
+        if any(begin <= start < stop for begin, stop in code):
+            continue
         if found["channel"] is not None:
             name = found["channel"].lower()
             kind = _kind(name)
@@ -144,6 +150,29 @@ def _marks(text: str) -> Iterator[_Mark]:
         elif found["bracket"] != "[" or start == first or found["name"] in closed:
             # Code and lists hold words in square brackets as well.
             yield from _tag(found, text)
+
+
+def _code(text: str) -> list[tuple[int, int]]:
+    """Return where Python stands that defines a function, in fences or as the whole text.
+
+    What looks like a mark within it belongs to a comment, a text or a comparison.
+    """
+    places, begin = [(0, len(text))] if "```" not in text else [], None
+    for fence in _FENCE_LINE.finditer(text):
+        if begin is not None and not fence[1]:
+            places.append((begin, fence.start()))
+            begin = None
+        else:
+            begin = fence.end()
+    return [(a, b) for a, b in places if "def " in text[a:b] and _is_python(text[a:b])]
+
+
+def _is_python(code: str) -> bool:
+    try:
+        ast.parse(textwrap.dedent(code))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    return True
 
 
 def _tag(found: re.Match[str], text: str) -> Iterator[_Mark]:
