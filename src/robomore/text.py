@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from html import escape
 from typing import Any
 
 import msgspec
 
 _REPLACEMENT = "\N{REPLACEMENT CHARACTER}"
 _SURROGATE = re.compile("[\ud800-\udfff]")
+_MARKUP = re.compile(r"([\\`*_\[\]|~])")
 
 
 def sanitize(text: str) -> str:
@@ -30,6 +32,11 @@ def odd_characters(text: str) -> list[str]:
 def one_line(text: str) -> str:
     """Return what `sanitize` does, with all white space in a row as one space."""
     return " ".join(sanitize(text).split())
+
+
+def text_only(text: str) -> str:
+    """Return text of somebody else's as one line of Markdown that is text and nothing else."""
+    return _MARKUP.sub(r"\\\1", escape(one_line(text), quote=False))
 
 
 def shortened(text: str, most: int = 100) -> str:

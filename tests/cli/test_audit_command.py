@@ -34,7 +34,7 @@ def test_an_audit_lies_beside_its_policy_and_is_told(copied: Path, robomore_: Co
     audit = audit_of(found)
     assert kept.is_file() and audit is not None and not audit.passes
     assert robomore_("audit", copied, "--json").json["passes"] is False
-    assert "5 J came / from nowhere." in robomore_("audit", copied, "--markdown").out
+    assert "5 J came \\| from nowhere." in robomore_("audit", copied, "--markdown").out
     assert audit_of(found, found.reference.evaluations[0].key) is None  # type: ignore[union-attr]
     assert "audit: The design fails 1 of 2 checks" in robomore_("show", copied).words
     assert robomore_("show", copied, "--json").json["audit"] == json.loads(kept.read_text())

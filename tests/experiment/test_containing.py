@@ -19,10 +19,10 @@ from robomore.settings import preset, with_method
 
 def test_only_rewards_of_our_own_may_do_without_layers(monkeypatch: pytest.MonkeyPatch) -> None:
     absent = [Layer(name, False, "not on this machine") for name in REQUIRED]
-    found = [*absent, Layer("limits", True, "some")]
+    found = [*absent, Layer("watchdog", True, "some")]
     monkeypatch.setattr(layers, "layers", lambda: found)
     monkeypatch.setattr(layers, "_all_hold", [])
-    told = f"relaxed (limits; without {', '.join(REQUIRED)})"
+    told = f"relaxed (watchdog; without {', '.join(REQUIRED)})"
     assert choose_containment(None, ours=True) == (Containment.RELAXED, told)
     assert choose_containment("relaxed", ours=False) == (Containment.RELAXED, told)
     for asked, ours in ((None, False), ("strict", True), ("strict", False)):

@@ -28,7 +28,7 @@ from robomore.envs.robots import environment_class
 from robomore.errors import ExportFailed, InputError
 from robomore.evaluation.measure import measure
 from robomore.export import export_run
-from robomore.export.card import _numbers, plain
+from robomore.export.card import _numbers
 from robomore.export.environment import environment_package
 from robomore.export.export import _run_alone
 from robomore.export.folder import PARTS, ensure_free, write_all
@@ -95,6 +95,23 @@ def test_the_onnx_policy_reaches_it_too(exported: Path, package: ModuleType) -> 
     np.testing.assert_allclose(found, measure.RECORDED["episode_fitness"], rtol=0.2)
 
 
+def test_a_diverged_episode_is_worth_what_it_was_when_recorded(
+    package: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    measure = importlib.import_module("swimmer_champion.measure")
+
+    class Bursting(package.env.Robot):  # type: ignore[name-defined, misc]
+        def step(self, action: Any) -> Any:
+            result = super().step(action)
+            self.data.qpos[0] = 50.0  # far from its start, and nowhere in the step after
+            self.data.qvel[1] = np.nan if self.data.time > 1.0 else 0.0
+            return result
+
+    monkeypatch.setattr(measure, "Robot", Bursting)
+    found = measure.measure(measure.RECORDED["seeds"][:1])
+    assert found == pytest.approx([0.0], abs=0.2)
+
+
 def test_the_package_gives_the_reward_that_was_trained_with(
     trained_run: Path, package: ModuleType
 ) -> None:
@@ -135,6 +152,7 @@ def test_the_folder_holds_what_its_record_says(exported: Path) -> None:
     assert {"print/whole.stl", "print/whole.3mf", "video.webp", "README.md"} <= files
     card = (exported / "README.md").read_text()
     assert "| whole | " in card
+    assert "Integrator in training: implicitfast at half the timestep" in card  # Swimmer has RK4
     # The word stands where a piece fits a bed of 256 mm, and nowhere else.
     fits = [max(piece["extent_mm"]) <= 256 for piece in record["pieces"]]
     assert [piece["printable"] for piece in record["pieces"]] == fits and not fits[-1]
@@ -277,7 +295,3 @@ def of_a_dog(fitness: str, trained_run: Path, folder: Path) -> tuple[Run, Evalua
     sizes = robot.observation_space.shape[0], robot.action_space.shape[0]
     policy = MLPPolicy((np.full(sizes, 0.01, np.float32),), (np.zeros(sizes[1], np.float32),))
     return replace(run, task=task), evaluation, policy
-
-
-def test_text_of_a_designer_stays_text() -> None:
-    assert plain("a|b\n# <b>`x`</b>") == "a\\|b # &lt;b&gt;\\`x\\`&lt;/b&gt;"

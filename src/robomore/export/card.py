@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from html import escape
+from contextlib import suppress
 
 import mujoco
 
+from robomore.errors import InputError
 from robomore.export.environment import environment_id, package_name, stands_alone
 from robomore.export.printing import Piece, Printer, fitting_scale, in_mm
 from robomore.export.urdf import lost_in_urdf
 from robomore.report.command import command_line
 from robomore.runs import Run
 from robomore.runs.words import in_unit, label, measured, number, with_interval
-from robomore.text import one_line
-from robomore.types import Evaluation
-
-_MARKUP = re.compile(r"([\\`*_\[\]|~])")
-
-
-def plain(text: str) -> str:
-    """Return text of somebody else's as one line of Markdown that is text and nothing else."""
-    return _MARKUP.sub(r"\\\1", escape(one_line(text), quote=False))
+from robomore.text import one_line, text_only
+from robomore.training.settings import settings_from
+from robomore.types import Evaluation, Job
 
 
 def model_card(
@@ -50,7 +44,7 @@ def model_card(
     sections = (
         _head(run, evaluation, name),
         _numbers(run, evaluation, again),
-        _training(run, evaluation),
+        _training(run, evaluation, model),
         _use(run, name, video),
         _robot(model),
         _print(pieces, printer),
@@ -62,15 +56,15 @@ def model_card(
 def _head(run: Run, evaluation: Evaluation, name: str) -> list[str]:
     design = evaluation.design
     return [
-        f"# {plain(run.task.title)}, {plain(name)}",
+        f"# {text_only(run.task.title)}, {text_only(name)}",
         "",
         "A simulated robot, the reward that it was trained with, and its trained policy, exported",
-        f"by RoboMoRe {plain(run.manifest.versions.get('robomore', ''))}.",
+        f"by RoboMoRe {text_only(run.manifest.versions.get('robomore', ''))}.",
         "",
-        f"- Task: {plain(run.task.id)}. {plain(run.task.description)}",
-        f"- Idea of the morphology: {plain(design.morphology.idea) or 'not given'}",
-        f"- Idea of the reward: {plain(design.reward.idea) or 'not given'}",
-        f"- Who made the proposals: {plain(run.manifest.provenance)}",
+        f"- Task: {text_only(run.task.id)}. {text_only(run.task.description)}",
+        f"- Idea of the morphology: {text_only(design.morphology.idea) or 'not given'}",
+        f"- Idea of the reward: {text_only(design.reward.idea) or 'not given'}",
+        f"- Who made the proposals: {text_only(run.manifest.provenance)}",
         "",
     ]
 
@@ -113,21 +107,35 @@ def _numbers(run: Run, evaluation: Evaluation, again: Sequence[float]) -> list[s
     ]
 
 
-def _training(run: Run, evaluation: Evaluation) -> list[str]:
+def _training(run: Run, evaluation: Evaluation, model: mujoco.MjModel) -> list[str]:
     job, versions = evaluation.job, run.manifest.versions
-    used = ", ".join(f"{plain(name)} {plain(found)}" for name, found in versions.items())
+    used = ", ".join(f"{text_only(name)} {text_only(found)}" for name, found in versions.items())
     lines = [
         "## Training",
         "",
-        f"- Trainer: {plain(job.trainer.name)}, {job.steps:,} control steps, seed {job.seed}",
-        f"- Evaluation: `{evaluation.key}` of the run `{plain(run.folder.name)}`, "
-        f"method {plain(run.manifest.settings.method.name)}",
+        f"- Trainer: {text_only(job.trainer.name)}, {job.steps:,} control steps, seed {job.seed}",
+        *_integrated(job, model),
+        f"- Evaluation: `{evaluation.key}` of the run `{text_only(run.folder.name)}`, "
+        f"method {text_only(run.manifest.settings.method.name)}",
         f"- Versions: {used}",
     ]
     command = command_line(run.manifest)
     if command:
         lines += ["", "The run is repeated by", "", f"    {one_line(command)}"]
     return [*lines, ""]
+
+
+def _integrated(job: Job, model: mujoco.MjModel) -> list[str]:
+    """Return how the robot was integrated in training, if that is not how it is measured."""
+    if model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4:
+        return []
+    with suppress(InputError):  # a trainer that is not installed here
+        if getattr(settings_from(job.trainer), "replace_rk4", False):
+            return [
+                "- Integrator in training: implicitfast at half the timestep; in measuring that of "
+                "`robot/robot.xml`"
+            ]
+    return []
 
 
 def _use(run: Run, name: str, video: str) -> list[str]:
@@ -138,7 +146,7 @@ def _use(run: Run, name: str, video: str) -> list[str]:
         "",
         "| file | what it is |",
         "|---|---|",
-        "| `robot/robot.xml` | MJCF: robot and ground as trained; MuJoCo loads it alone |",
+        "| `robot/robot.xml` | MJCF: robot and ground as measured; MuJoCo loads it alone |",
         "| `robot/robot.urdf` | the same robot without ground for other simulators |",
         "| `policy/policy.onnx` | policy: input `observation` (n, numbers), output `action` |",
         "| `policy/policy.py` | the same policy; it imports NumPy alone |",
@@ -185,8 +193,8 @@ def _print(pieces: Sequence[Piece], printer: Printer) -> list[str]:
     for piece in pieces:
         verdict = "printable" if piece.printable else "; ".join(piece.faults)
         lines.append(
-            f"| {plain(piece.name)} | {in_mm(piece.extent)} | {number(piece.volume / 1000)} | "
-            f"{piece.wall:.2f} | {plain(verdict)} |"
+            f"| {text_only(piece.name)} | {in_mm(piece.extent)} | {number(piece.volume / 1000)} | "
+            f"{piece.wall:.2f} | {text_only(verdict)} |"
         )
     return [
         *lines,
@@ -204,6 +212,6 @@ def _limits(run: Run) -> list[str]:
         "## Limits",
         "",
         "- Trained and measured in simulation alone, by one reward, on one kind of ground.",
-        *(f"- {plain(said)}" for said in run.warnings),
+        *(f"- {text_only(said)}" for said in run.warnings),
         "",
     ]

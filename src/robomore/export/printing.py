@@ -123,10 +123,15 @@ def in_mm(edges: Iterable[float]) -> str:
 
 
 def fitting_scale(pieces: list[Piece], printer: Printer) -> float:
-    """Return the largest scale at which every piece fits the bed."""
+    """Return the largest scale at which every piece fits the bed, down to three digits."""
     bed = sorted(printer.bed, reverse=True)
     shares = [side / edge for piece in pieces for edge, side in zip(piece.extent, bed, strict=True)]
-    return printer.scale * min(shares)
+    return _rounded_down(printer.scale * min(shares))
+
+
+def _rounded_down(scale: float) -> float:
+    step: float = 10.0 ** (math.floor(math.log10(scale)) - 2)
+    return math.floor(scale / step) * step
 
 
 def _roots(model: mujoco.MjModel) -> list[int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import itertools
 import os
 import subprocess
 import sys
@@ -296,7 +297,20 @@ def _encode(frames: Iterable[Image], path: Path, rate: float, height: int) -> No
     options: dict[str, Any] = {"save_all": True, "append_images": others, "loop": 0}
     if path.suffix.lower() == ".webp":
         options |= {"quality": 70, "method": 2}
-    first.save(path, duration=round(1000 / rate), **options)
+    tick = 10 if path.suffix.lower() == ".gif" else 1  # ms: a GIF knows no less
+    first.save(path, duration=durations(len(others) + 1, rate, tick), **options)
+
+
+def durations(frames: int, rate: float, tick: int) -> list[int]:
+    """Return how long each frame is shown, in ms, so that all together take their true time.
+
+    Args:
+        frames: how many there are.
+        rate: frames in a second.
+        tick: ms that each time is a multiple of.
+    """
+    ends = [tick * round(1000 * n / (rate * tick)) for n in range(frames + 1)]
+    return [after - before for before, after in itertools.pairwise(ends)]
 
 
 def _encode_mp4(frames: Iterable[Image], path: Path, rate: float, height: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from robomore.runs.words import in_unit, number
 from robomore.store.audit import Audit
+from robomore.text import text_only
 
 
 def in_sum(audit: Audit, unit: str) -> tuple[str, ...]:
@@ -33,14 +34,11 @@ def as_markdown(audit: Audit, unit: str) -> str:
     """Return an audit as a Markdown table with two sentences below it."""
     lines = ["| verdict | check | what was seen |", "|---|---|---|"]
     lines += [
-        f"| {one.outcome} | {_cell(one.check)} | {_cell(one.says)} |" for one in audit.verdicts
+        f"| {one.outcome} | {text_only(one.check)} | {text_only(one.says)} |"
+        for one in audit.verdicts
     ]
-    return "\n".join([*lines, "", *(_cell(line) for line in in_sum(audit, unit)), ""])
+    return "\n".join([*lines, "", *(text_only(line) for line in in_sum(audit, unit)), ""])
 
 
 def _worth(efficiency: float | None, fitness: float | None, unit: str) -> str:
     return f"{in_unit(efficiency, 'efficiency', unit)} ({in_unit(fitness, 'fitness', unit)})"
-
-
-def _cell(text: str) -> str:
-    return text.replace("|", "/").replace("<", "&lt;")

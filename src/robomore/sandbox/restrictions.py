@@ -11,7 +11,7 @@ from pathlib import Path
 from robomore.sandbox.linux import landlock, seccomp
 from robomore.sandbox.linux.privileges import drop_privileges, end_with_parent
 
-REQUIRED = ("files", "system calls")
+REQUIRED = ("parent's end", "limits", "privileges", "files", "system calls")
 """Layers without which untrusted code does not start under strict containment."""
 
 
