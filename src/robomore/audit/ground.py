@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from robomore.audit.contacts import may_collide
 from robomore.envs import terrain
 from robomore.envs.robots.base import Array
 from robomore.tasks.task import Task
@@ -27,17 +28,9 @@ class Ground:
         self._model = model
         still = model.geom_bodyid == 0
         self._still = still
-        grounds = np.flatnonzero(still)
-        moving = np.flatnonzero(~still)
-        collide = [
-            any(
-                model.geom_contype[one] & model.geom_conaffinity[g]
-                or model.geom_contype[g] & model.geom_conaffinity[one]
-                for g in grounds
-            )
-            for one in moving
-        ]
-        self.exists = any(collide)
+        grounds = np.flatnonzero(still).tolist()
+        moving = np.flatnonzero(~still).tolist()
+        self.exists = any(may_collide(model, one, g) for one in moving for g in grounds)
         self._geoms = moving
         # Half the length of a capsule's axis; other shapes are looked at in their centres.
         capsule = model.geom_type[moving] == mujoco.mjtGeom.mjGEOM_CAPSULE

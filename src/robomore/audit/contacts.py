@@ -1,0 +1,23 @@
+"""Which parts of a model MuJoCo lets collide."""
+
+from __future__ import annotations
+
+import mujoco
+
+
+def may_collide(model: mujoco.MjModel, one: int, other: int) -> bool:
+    """Return whether two geoms, of bodies that are not joined to each other, collide.
+
+    That is what `<contact>` says of them or of their bodies, else what `contype` and `conaffinity`
+    say.
+    """
+    pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    if any({one, other} == set(pair) for pair in pairs):
+        return True
+    low, high = sorted(model.geom_bodyid[[one, other]].tolist())
+    if (low << 16) + high in model.exclude_signature:
+        return False
+    return bool(
+        model.geom_contype[one] & model.geom_conaffinity[other]
+        or model.geom_contype[other] & model.geom_conaffinity[one]
+    )
