@@ -52,14 +52,39 @@ def test_a_variant_changes_one_thing_and_no_control_step() -> None:
     assert finer.environment.dt == plain.environment.dt
     heavy = varied(Variant(mass=1.2))
     assert heavy.model.body_subtreemass[1] == pytest.approx(1.2 * plain.model.body_subtreemass[1])
-    weak = varied(Variant(motors=0.8, friction=0.5))
-    assert np.allclose(weak.model.actuator_gear, 0.8 * plain.model.actuator_gear)
+    weak = varied(Variant(friction=0.5))
     assert np.allclose(weak.model.geom_friction[:, 0], 0.5 * plain.model.geom_friction[:, 0])
     other = varied(Variant(integrator="RK4", solver="CG")).model.opt
     assert (other.integrator, other.solver) != (
         plain.model.opt.integrator,
         plain.model.opt.solver,
     )
+
+
+SERVO = '<position gear="1" kp="40" ctrlrange="-2.094 2.094" {} joint'
+
+
+@pytest.mark.parametrize("actuator", ["<motor joint", SERVO.format('forcerange="-20 20"')])
+@pytest.mark.parametrize("control", [0.1, 1.0])
+def test_a_weak_motor_gives_less_force_and_a_weak_servo_holds_the_same_angle(
+    actuator: str, control: float
+) -> None:
+    task = short("swimmer", STEPS)
+    task = replace(task, template=task.template.replace("<motor joint", actuator))
+    forces = []
+    for factor in (1.0, 0.8):
+        env = VariedEnv(task, task.reference, 1, Variant(motors=factor))
+        env.reset_one(0, 0)
+        (data,) = env.data
+        data.qpos[-2:], data.qvel[:] = 0.05, 0.0
+        data.ctrl[:] = control
+        mujoco.mj_forward(env.model, data)
+        forces.append(data.qfrc_actuator[-2:].copy())
+        if "position" in actuator:
+            data.ctrl[:] = 0.05
+            mujoco.mj_forward(env.model, data)
+            assert not data.qfrc_actuator.any()
+    assert forces[0].all() and np.allclose(forces[1], 0.8 * forces[0])
 
 
 def test_half_a_timestep_takes_the_same_time_and_is_measured_once() -> None:
@@ -187,9 +212,8 @@ def test_density_and_motors_of_a_thin_robot() -> None:
 
 def test_the_strength_of_a_servo_is_its_force_and_not_its_range() -> None:
     task = short("swimmer", STEPS)
-    servo = '<position gear="1" kp="40" ctrlrange="-2.094 2.094" {} joint'
     limited, free = (
-        replace(task, template=task.template.replace("<motor joint", servo.format(limit)))
+        replace(task, template=task.template.replace("<motor joint", SERVO.format(limit)))
         for limit in ('forcerange="-20 20"', "")
     )
     verdict = motors.check(still(limited))

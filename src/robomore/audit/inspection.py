@@ -39,7 +39,7 @@ class Inspection:
         overlap_is_off: whether the task switches any such collision off.
         sprung: energy that soft contacts and joint limits hold at the start, in J. A robot starts
             with noise, a little inside the ground, and the official Ant with its ankles outside
-            their range; what pushes it out is no fault.
+            their range; what pushes it out was there and is not created.
         divergences: episodes in which the physics diverged; no number of energy counts then.
         seconds: simulated time.
     """
@@ -142,8 +142,7 @@ class InspectedEnv(MeasuredEnv):
                 continue
             before, now = self._before[index], self._now_at(data)
             self._before[index] = now
-            # A motor's force is the same from step to step, so this is exact for it.
-            work = (before.force + now.force) / 2 * (now.length - before.length)
+            work = timestep * (before.given + now.given) / 2
             self._motor_work[index] += work.sum()
             self._motor_effort[index] += np.abs(work).sum()
             self._dissipated[index] += timestep * (before.lost + now.lost) / 2
@@ -166,7 +165,7 @@ class InspectedEnv(MeasuredEnv):
         mujoco.mj_setState(model, look, self._state, _STATE)
         mujoco.mj_forward(model, look)
         lost = -float((look.qfrc_damper + look.qfrc_fluid) @ look.qvel)
-        return _Powers(look.actuator_force.copy(), look.actuator_length.copy(), lost)
+        return _Powers(look.actuator_force * look.actuator_velocity, lost)
 
     def _energy_now(self) -> float:
         return float(self._look.energy.sum())
@@ -174,8 +173,7 @@ class InspectedEnv(MeasuredEnv):
 
 @dataclass(frozen=True, slots=True)
 class _Powers:
-    """Forces and lengths of the motors, and the power in W that damping and fluid take."""
+    """Power in W that each motor gives, and that damping and fluid take."""
 
-    force: Array
-    length: Array
+    given: Array
     lost: float
