@@ -195,6 +195,20 @@ def test_the_fitness_that_a_run_tells_is_measured_again() -> None:
     assert verdict.outcome == "fails" and "the run tells" in verdict.says
 
 
+def test_a_number_that_nothing_tells_is_not_compared() -> None:
+    assert seeds.check(restless(short("half-cheetah", STEPS))).outcome == "skipped"
+
+
+def test_a_jump_is_compared_by_what_it_adds_to_the_height_at_rest() -> None:
+    subject = still(short("ant-jump", STEPS))
+    found, gain = subject.measured(), subject.worth()
+    assert found is not None and gain is not None and gain < 0.2 < found.fitness
+    subject.reported = found.fitness + 3 * gain
+    verdict = seeds.check(subject)
+    assert found.fitness > 0.5 * subject.reported
+    assert verdict.outcome == "fails" and "its height at rest" in verdict.says
+
+
 def test_density_and_motors_of_a_thin_robot() -> None:
     task = short("half-cheetah", STEPS)
     for radius, outcome in ((0.046, "passes"), (0.01, "warns"), (0.006, "fails")):
@@ -275,6 +289,14 @@ def test_limbs_that_pass_through_each_other() -> None:
 def test_a_task_without_a_ground() -> None:
     subject = still(short("swimmer", STEPS))
     assert penetration.check(subject).outcome == support.check(subject).outcome == "skipped"
+
+
+def test_a_robot_that_stays_above_the_ground_is_told_as_that() -> None:
+    subject = still(short("ant", 1))
+    seen = subject.inspection
+    assert seen is not None and seen.has_ground and not seen.support
+    assert support.check(subject).says == "The robot never touched the ground."
+    assert penetration.check(subject).says == "No limb goes into the ground."
 
 
 def test_the_height_of_a_desert_is_that_of_the_simulation() -> None:
