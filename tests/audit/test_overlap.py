@@ -5,8 +5,8 @@ from __future__ import annotations
 import mujoco
 import pytest
 
-from robomore.audit.contacts import may_collide
 from robomore.audit.overlap import Overlap
+from robomore.audit.parts import may_collide
 from robomore.envs.compile import compile_model
 from robomore.tasks import get_task
 
@@ -18,6 +18,8 @@ TWO_LEGS = """<mujoco><worldbody>
  <body name="right" pos="0 -.1 0"><joint axis="0 1 0"/>
   <geom name="right" type="capsule" fromto="0 0 -.1 0 0 -.4" size=".02"/></body>
 </body></worldbody><contact>{contact}</contact></mujoco>"""
+
+LEG = 'type="capsule" fromto="0 0 -.1 0 0 -.4" size=".02"'
 
 
 def looked_at(model: mujoco.MjModel, **angles: float) -> Overlap:
@@ -56,3 +58,12 @@ def test_what_a_contact_element_says_counts(contact: str, off: bool) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert any(set(pair) == {left, right} for pair in data.contact.geom.tolist()) == (not off)
+
+
+@pytest.mark.parametrize(("apart", "share"), [(0.06, 1), (0.08, 0)])
+def test_the_depth_is_told_in_the_thinnest_half_side_of_a_box(apart: float, share: float) -> None:
+    """Two plates, each 10 cm thick and 40 cm wide, lie in each other by 4 cm and by 2 cm."""
+    plates = TWO_LEGS.format(contact='<exclude body1="right" body2="left"/>')
+    for height in (-0.5, -0.5 - apart):
+        plates = plates.replace(LEG, f'type="box" pos="0 0 {height}" size=".2 .2 .05"', 1)
+    assert looked_at(mujoco.MjModel.from_xml_string(plates)).share == share

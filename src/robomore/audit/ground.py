@@ -7,14 +7,13 @@ from itertools import product
 import mujoco
 import numpy as np
 
-from robomore.audit.contacts import may_collide
+from robomore.audit.parts import may_collide, radii
 from robomore.envs import terrain
 from robomore.envs.robots.base import Array
 from robomore.tasks.task import Task
 from robomore.tasks.terrain import CELLS, TILE
 
 _Geom = mujoco.mjtGeom
-_ROUND = (_Geom.mjGEOM_SPHERE, _Geom.mjGEOM_CAPSULE)
 
 
 class Ground:
@@ -41,10 +40,7 @@ class Ground:
         self._owner = np.repeat(np.arange(len(moving)), counts)
         self._first = np.cumsum([0, *counts[:-1]])
         self._rounding = np.array([rounding for _, rounding in shapes])
-        sizes = model.geom_size[moving]
-        least = np.where(sizes > 0, sizes, np.inf).min(axis=1)
-        rounded = np.isin(model.geom_type[moving], _ROUND)
-        self._radius = np.where(rounded, sizes[:, 0], least)
+        self._radius = radii(model)[moving]
         planes = [g for g in grounds if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_PLANE]
         self._plane = float(model.geom_pos[planes[0], 2]) if planes else 0.0
         bumpy = task.terrain is not None and task.terrain.height

@@ -7,7 +7,7 @@ from itertools import combinations
 import mujoco
 import numpy as np
 
-from robomore.audit.contacts import may_collide
+from robomore.audit.parts import may_collide, radii
 
 LEAST_DEPTH = 0.5
 """Overlap in radii of the thinner part from which on it counts. Neighbours of neighbours touch in
@@ -26,6 +26,7 @@ class Overlap:
     def __init__(self, model: mujoco.MjModel) -> None:
         """Find the pairs of parts that should not overlap."""
         self._model = model
+        self._radii = radii(model)
         rest = mujoco.MjData(model)
         mujoco.mj_forward(model, rest)
         self._pairs = [
@@ -75,5 +76,4 @@ class Overlap:
 
     def _depth(self, data: mujoco.MjData, one: int, other: int) -> float:
         distance: float = mujoco.mj_geomDistance(self._model, data, one, other, 0.0, None)
-        thinner = float(self._model.geom_size[[one, other], 0].min())
-        return max(0.0, -distance) / thinner
+        return max(0.0, -distance) / float(self._radii[[one, other]].min())

@@ -1,8 +1,21 @@
-"""Which parts of a model MuJoCo lets collide."""
+"""The parts of a model: how thick they are, and which of them MuJoCo lets collide."""
 
 from __future__ import annotations
 
 import mujoco
+import numpy as np
+
+from robomore.envs.robots.base import Array
+
+_ROUND = (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE)
+
+
+def radii(model: mujoco.MjModel) -> Array:
+    """Return the radius (geoms,) of each geom in m; of one with sides, half of the thinnest."""
+    sizes = model.geom_size
+    least = np.where(sizes > 0, sizes, np.inf).min(axis=1)
+    found: Array = np.where(np.isin(model.geom_type, _ROUND), sizes[:, 0], least)
+    return found
 
 
 def may_collide(model: mujoco.MjModel, one: int, other: int) -> bool:
