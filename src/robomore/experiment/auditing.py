@@ -39,11 +39,7 @@ def audit_run(folder: str | Path, key: str | None = None) -> Audit:
             f"({', '.join(run.task_changes)}), so its policy cannot be audited; install the "
             "version that it was made with"
         )
-    if is_foreign(run.task.goal):
-        raise InputError(
-            f"the fitness of {run.task.id} is a function of its task file, which is not executed "
-            "from a run's folder, so nothing can be measured anew"
-        )
+    _refuse_foreign(run.task)
     policy = run.load_policy(key)
     evaluation = run.kept(key)
     subject = Subject(run.task, evaluation.design.morphology.parameters, policy, evaluation.fitness)
@@ -57,13 +53,22 @@ def audit_design(folder: Path, task: Task, parameters: Sequence[float], policy: 
     best, which a policy is kept of, unless an earlier audit of this policy names another of them.
 
     Raises:
-        InputError: the folder cannot be written.
+        InputError: the fitness is a function of the folder, or the folder cannot be written.
     """
+    _refuse_foreign(task)
     files = PlainFolder(folder)
     told = _told_by_design(files, policy)
     found = audit(Subject(task, task.check(parameters), policy, told))
     _write(files, AUDIT, found)
     return found
+
+
+def _refuse_foreign(task: Task) -> None:
+    if is_foreign(task.goal):
+        raise InputError(
+            f"the fitness of {task.id} is a function of its task file, which is not executed from "
+            "a folder, so nothing can be measured anew"
+        )
 
 
 def _earlier(files: PlainFolder, name: str, policy: MLPPolicy) -> Audit | None:
