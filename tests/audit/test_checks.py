@@ -52,14 +52,39 @@ def test_a_variant_changes_one_thing_and_no_control_step() -> None:
     assert finer.environment.dt == plain.environment.dt
     heavy = varied(Variant(mass=1.2))
     assert heavy.model.body_subtreemass[1] == pytest.approx(1.2 * plain.model.body_subtreemass[1])
-    weak = varied(Variant(motors=0.8, friction=0.5))
-    assert np.allclose(weak.model.actuator_gear, 0.8 * plain.model.actuator_gear)
+    weak = varied(Variant(friction=0.5))
     assert np.allclose(weak.model.geom_friction[:, 0], 0.5 * plain.model.geom_friction[:, 0])
     other = varied(Variant(integrator="RK4", solver="CG")).model.opt
     assert (other.integrator, other.solver) != (
         plain.model.opt.integrator,
         plain.model.opt.solver,
     )
+
+
+SERVO = '<position gear="1" kp="40" ctrlrange="-2.094 2.094" {} joint'
+
+
+@pytest.mark.parametrize("actuator", ["<motor joint", SERVO.format('forcerange="-20 20"')])
+@pytest.mark.parametrize("control", [0.1, 1.0])
+def test_a_weak_motor_gives_less_force_and_a_weak_servo_holds_the_same_angle(
+    actuator: str, control: float
+) -> None:
+    task = short("swimmer", STEPS)
+    task = replace(task, template=task.template.replace("<motor joint", actuator))
+    forces = []
+    for factor in (1.0, 0.8):
+        env = VariedEnv(task, task.reference, 1, Variant(motors=factor))
+        env.reset_one(0, 0)
+        (data,) = env.data
+        data.qpos[-2:], data.qvel[:] = 0.05, 0.0
+        data.ctrl[:] = control
+        mujoco.mj_forward(env.model, data)
+        forces.append(data.qfrc_actuator[-2:].copy())
+        if "position" in actuator:
+            data.ctrl[:] = 0.05
+            mujoco.mj_forward(env.model, data)
+            assert not data.qfrc_actuator.any()
+    assert forces[0].all() and np.allclose(forces[1], 0.8 * forces[0])
 
 
 def test_half_a_timestep_takes_the_same_time_and_is_measured_once() -> None:
@@ -170,6 +195,20 @@ def test_the_fitness_that_a_run_tells_is_measured_again() -> None:
     assert verdict.outcome == "fails" and "the run tells" in verdict.says
 
 
+def test_a_number_that_nothing_tells_is_not_compared() -> None:
+    assert seeds.check(restless(short("half-cheetah", STEPS))).outcome == "skipped"
+
+
+def test_a_jump_is_compared_by_what_it_adds_to_the_height_at_rest() -> None:
+    subject = still(short("ant-jump", STEPS))
+    found, gain = subject.measured(), subject.worth()
+    assert found is not None and gain is not None and gain < 0.2 < found.fitness
+    subject.reported = found.fitness + 3 * gain
+    verdict = seeds.check(subject)
+    assert found.fitness > 0.5 * subject.reported
+    assert verdict.outcome == "fails" and "its height at rest" in verdict.says
+
+
 def test_density_and_motors_of_a_thin_robot() -> None:
     task = short("half-cheetah", STEPS)
     for radius, outcome in ((0.046, "passes"), (0.01, "warns"), (0.006, "fails")):
@@ -187,9 +226,8 @@ def test_density_and_motors_of_a_thin_robot() -> None:
 
 def test_the_strength_of_a_servo_is_its_force_and_not_its_range() -> None:
     task = short("swimmer", STEPS)
-    servo = '<position gear="1" kp="40" ctrlrange="-2.094 2.094" {} joint'
     limited, free = (
-        replace(task, template=task.template.replace("<motor joint", servo.format(limit)))
+        replace(task, template=task.template.replace("<motor joint", SERVO.format(limit)))
         for limit in ('forcerange="-20 20"', "")
     )
     verdict = motors.check(still(limited))
@@ -251,6 +289,14 @@ def test_limbs_that_pass_through_each_other() -> None:
 def test_a_task_without_a_ground() -> None:
     subject = still(short("swimmer", STEPS))
     assert penetration.check(subject).outcome == support.check(subject).outcome == "skipped"
+
+
+def test_a_robot_that_stays_above_the_ground_is_told_as_that() -> None:
+    subject = still(short("ant", 1))
+    seen = subject.inspection
+    assert seen is not None and seen.has_ground and not seen.support
+    assert support.check(subject).says == "The robot never touched the ground."
+    assert penetration.check(subject).says == "No limb goes into the ground."
 
 
 def test_the_height_of_a_desert_is_that_of_the_simulation() -> None:

@@ -142,6 +142,25 @@ def test_of_energy_from_nowhere(share: float, outcome: str) -> None:
     assert verdict.numbers["created_share"] == pytest.approx(share)
 
 
+@pytest.mark.parametrize(
+    ("without_motors", "sprung", "outcome"),
+    [
+        (0.09, 1e4, P),
+        (0.11, 1e4, W),
+        (0.49, 1e4, W),
+        (0.51, 1e4, F),
+        (0.51, 1.0, P),
+        (-1.0, 1e4, P),
+    ],
+)
+def test_of_a_start(without_motors: float, sprung: float, outcome: str) -> None:
+    subject = left(without_motors)
+    seen = replace(subject.inspection, sprung=sprung)  # type: ignore[type-var]
+    object.__setattr__(subject, "inspection", seen)
+    verdict = energy.check(subject)
+    assert verdict.outcome == outcome and verdict.numbers["sprung_j"] == sprung
+
+
 @pytest.mark.parametrize(("share", "outcome"), [(0.89, P), (0.91, W)])
 def test_of_actions_at_their_limit(share: float, outcome: str) -> None:
     subject = left(1.0)

@@ -12,7 +12,7 @@ import pytest
 import untrained  # noqa: F401  # makes its executor known
 from audit.canned import VERDICTS, copy_with_canned_audits
 from robomore.audit import Audit, Subject
-from robomore.errors import FitnessFailed
+from robomore.errors import FitnessFailed, InputError
 from robomore.experiment import auditing, run
 from robomore.options import with_options
 from robomore.plain_files import PlainFolder
@@ -78,6 +78,16 @@ def test_a_group_of_the_final_is_doubted_by_an_audit_of_its_own_policy(
     files.write(name, b"[")
     told = auditing.doubt(evaluator, found.task, "efficiency", group)
     assert told.endswith("other episodes: the fitness gave nan")
+
+
+def test_a_fitness_that_a_folder_holds_is_not_executed(
+    copied: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = load_run(copied)
+    monkeypatch.setattr(auditing, "is_foreign", lambda goal: True)
+    parameters = found.task.reference
+    with pytest.raises(InputError, match="so nothing can be measured anew"):
+        auditing.audit_design(copied / "champion", found.task, parameters, found.load_policy())
 
 
 def test_what_was_passed_over_is_told(tmp_path: Path) -> None:

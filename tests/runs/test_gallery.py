@@ -106,12 +106,14 @@ def test_a_design_of_an_own_task_brings_its_task(tmp_path: Path) -> None:
     assert entry.task.mjcf(task.reference) == task.mjcf(task.reference)
 
 
-def test_an_audit_made_again_still_knows_what_the_run_told(
+def test_an_audit_of_a_design_compares_with_what_it_tells(
     audited: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = add_entry(load_run(audited), tmp_path / "gallery")
     entry = load_entry(folder)
     policy = MLPPolicy.load(folder / "policy.npz")
+    design = json.loads((folder / "design.json").read_text())
+    (folder / "design.json").write_text(json.dumps({**design, "fitness": [0.5, None, 0.75, 9.0]}))
     told = Verdict("other seeds", "passes", "As told.", {REPORTED: 0.75})
     save_audit(
         PlainFolder(folder),
@@ -130,4 +132,8 @@ def test_an_audit_made_again_still_knows_what_the_run_told(
     auditing.audit_design(folder, entry.task, parameters, policy)
     other = MLPPolicy(policy.weights, tuple(bias + 1 for bias in policy.biases))
     auditing.audit_design(folder, entry.task, parameters, other)
-    assert asked == [0.75, None]
+    (folder / "design.json").write_text(json.dumps({**design, "fitness": [7.0]}))
+    auditing.audit_design(folder, entry.task, parameters, policy)
+    (folder / "design.json").write_text(json.dumps(design["parameters"]))
+    auditing.audit_design(folder, entry.task, parameters, policy)
+    assert asked == [0.75, 9.0, 7.0, None]

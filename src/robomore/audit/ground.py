@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import mujoco
 import numpy as np
 
+from robomore.audit.parts import may_collide, radii
 from robomore.envs import terrain
 from robomore.envs.robots.base import Array
 from robomore.tasks.task import Task
 from robomore.tasks.terrain import CELLS, TILE
 
-_ROUND = (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE)
+_Geom = mujoco.mjtGeom
 
 
 class Ground:
@@ -27,25 +30,17 @@ class Ground:
         self._model = model
         still = model.geom_bodyid == 0
         self._still = still
-        grounds = np.flatnonzero(still)
-        moving = np.flatnonzero(~still)
-        collide = [
-            any(
-                model.geom_contype[one] & model.geom_conaffinity[g]
-                or model.geom_contype[g] & model.geom_conaffinity[one]
-                for g in grounds
-            )
-            for one in moving
-        ]
-        self.exists = any(collide)
+        grounds = np.flatnonzero(still).tolist()
+        moving = np.flatnonzero(~still).tolist()
+        self.exists = any(may_collide(model, one, g) for one in moving for g in grounds)
         self._geoms = moving
-        # Half the length of a capsule's axis; other shapes are looked at in their centres.
-        capsule = model.geom_type[moving] == mujoco.mjtGeom.mjGEOM_CAPSULE
-        self._half = np.where(capsule, model.geom_size[moving, 1], 0.0)
-        rounded = np.isin(model.geom_type[moving], _ROUND)
-        sizes = model.geom_size[moving]
-        least = np.where(sizes > 0, sizes, np.inf).min(axis=1)
-        self._radius = np.where(rounded, sizes[:, 0], least)
+        shapes = [_shape(model, geom) for geom in moving]
+        self._points = np.concatenate([points for points, _ in shapes])
+        counts = [len(points) for points, _ in shapes]
+        self._owner = np.repeat(np.arange(len(moving)), counts)
+        self._first = np.cumsum([0, *counts[:-1]])
+        self._rounding = np.array([rounding for _, rounding in shapes])
+        self._radius = radii(model)[moving]
         planes = [g for g in grounds if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_PLANE]
         self._plane = float(model.geom_pos[planes[0], 2]) if planes else 0.0
         bumpy = task.terrain is not None and task.terrain.height
@@ -86,9 +81,13 @@ class Ground:
         """Take in the pose and the contacts of `data`."""
         if not self.exists:
             return
-        centre = data.geom_xpos[self._geoms]
-        axis = data.geom_xmat[self._geoms].reshape(-1, 3, 3)[:, :, 2] * self._half[:, None]
-        depth = np.maximum(self._depth(centre - axis), self._depth(centre + axis))
+        turned = data.geom_xmat[self._geoms].reshape(-1, 3, 3)
+        points = np.einsum("pij,pj->pi", turned[self._owner], self._points)
+        points += data.geom_xpos[self._geoms][self._owner]
+        sunk_points = self._height(points) - points[:, 2]
+        # How far a rounded part reaches below its points, as it stands.
+        below = np.linalg.norm(turned[:, 2] * self._rounding, axis=1)
+        depth = (np.maximum.reduceat(sunk_points, self._first) + below) / self._radius
         self._deepest = np.maximum(self._deepest, depth)
         self._deep += bool((depth > 1).any())
         if (sunk := float((depth * self._radius).max())) > 0:
@@ -100,11 +99,6 @@ class Ground:
                 continue
             mujoco.mj_contactForce(self._model, data, number, self._force)
             self._carried[other if self._still[one] else one] += self._force[0]
-
-    def _depth(self, points: Array) -> Array:
-        """Return how deep spheres around `points` (parts, 3) reach into the ground, in radii."""
-        depth: Array = (self._height(points) - points[:, 2] + self._radius) / self._radius
-        return depth
 
     def _height(self, points: Array) -> Array:
         if self._tile is None:
@@ -121,3 +115,37 @@ class Ground:
             + self._tile[row + 1, column + 1] * x * y
         )
         return height
+
+
+def _shape(model: mujoco.MjModel, geom: int) -> tuple[Array, Array]:
+    """Return points (n, 3) of a geom in its own frame, and the half axes of the ellipsoid at each.
+
+    The lowest of these ellipsoids ends where the geom does, however it is turned.
+    """
+    kind, (x, y, z) = model.geom_type[geom], model.geom_size[geom]
+    centre, ends = np.zeros((1, 3)), np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
+    if kind == _Geom.mjGEOM_SPHERE:
+        return centre, np.full(3, x)
+    if kind == _Geom.mjGEOM_CAPSULE:
+        return ends * y, np.full(3, x)
+    if kind == _Geom.mjGEOM_CYLINDER:
+        return ends * y, np.array([x, x, 0.0])  # a disc
+    if kind == _Geom.mjGEOM_ELLIPSOID:
+        return centre, np.array([x, y, z])
+    if kind == _Geom.mjGEOM_MESH:
+        mesh = model.geom_dataid[geom]
+        first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+        points = np.array(model.mesh_vert[first : first + count], dtype=np.float64)
+        return points[_hull(model, mesh)], np.zeros(3)
+    corners = np.array(list(product((-1.0, 1.0), repeat=3)))
+    return corners * model.geom_size[geom], np.zeros(3)
+
+
+def _hull(model: mujoco.MjModel, mesh: int) -> Array | slice:
+    """Return which vertices of a mesh lie on its convex hull; all where MuJoCo made none."""
+    start = model.mesh_graphadr[mesh]
+    if start < 0:
+        return slice(None)
+    count = model.mesh_graph[start]
+    found: Array = model.mesh_graph[start + 2 + count : start + 2 + 2 * count]
+    return found

@@ -39,7 +39,7 @@ class Inspection:
         overlap_is_off: whether the task switches any such collision off.
         sprung: energy that soft contacts and joint limits hold at the start, in J. A robot starts
             with noise, a little inside the ground, and the official Ant with its ankles outside
-            their range; what pushes it out is no fault.
+            their range; what pushes it out was there and is not created.
         divergences: episodes in which the physics diverged; no number of energy counts then.
         seconds: simulated time.
     """
@@ -136,14 +136,21 @@ class InspectedEnv(MeasuredEnv):
         self._sprung[index] = float(np.abs(self._look.efc_force @ pressed)) / 2
 
     def _note_substep(self) -> None:
-        timestep = self.model.opt.timestep
+        model = self.model
+        timestep = model.opt.timestep
         for index, data in enumerate(self.data):
             if self._done[index]:
                 continue
             before, now = self._before[index], self._now_at(data)
             self._before[index] = now
-            # A motor's force is the same from step to step, so this is exact for it.
-            work = (before.force + now.force) / 2 * (now.length - before.length)
+            # A motor's force is the same from step to step, and RK4 moves a joint as it did on
+            # average. What the other integrators add to the motion goes by the mean speed.
+            travel = timestep * (before.speed + now.speed) / 2
+            if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+                moved = now.length - before.length
+                # A motor on a site has no length.
+                travel = np.where((now.length != 0) | (before.length != 0), moved, travel)
+            work = (before.force + now.force) / 2 * travel
             self._motor_work[index] += work.sum()
             self._motor_effort[index] += np.abs(work).sum()
             self._dissipated[index] += timestep * (before.lost + now.lost) / 2
@@ -166,7 +173,12 @@ class InspectedEnv(MeasuredEnv):
         mujoco.mj_setState(model, look, self._state, _STATE)
         mujoco.mj_forward(model, look)
         lost = -float((look.qfrc_damper + look.qfrc_fluid) @ look.qvel)
-        return _Powers(look.actuator_force.copy(), look.actuator_length.copy(), lost)
+        return _Powers(
+            look.actuator_force.copy(),
+            look.actuator_velocity.copy(),
+            look.actuator_length.copy(),
+            lost,
+        )
 
     def _energy_now(self) -> float:
         return float(self._look.energy.sum())
@@ -174,8 +186,9 @@ class InspectedEnv(MeasuredEnv):
 
 @dataclass(frozen=True, slots=True)
 class _Powers:
-    """Forces and lengths of the motors, and the power in W that damping and fluid take."""
+    """Forces, speeds and lengths of the motors, and the power in W that damping and fluid take."""
 
     force: Array
+    speed: Array
     length: Array
     lost: float

@@ -7,6 +7,8 @@ from itertools import combinations
 import mujoco
 import numpy as np
 
+from robomore.audit.parts import may_collide, radii
+
 LEAST_DEPTH = 0.5
 """Overlap in radii of the thinner part from which on it counts. Neighbours of neighbours touch in
 every bent knee, and a little of that is the roundness of capsules."""
@@ -22,14 +24,15 @@ class Overlap:
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        """Find the pairs of parts that should not overlap: those that do not at the start."""
+        """Find the pairs of parts that should not overlap."""
         self._model = model
+        self._radii = radii(model)
         rest = mujoco.MjData(model)
         mujoco.mj_forward(model, rest)
         self._pairs = [
             pair
             for pair in combinations(np.flatnonzero(model.geom_bodyid > 0).tolist(), 2)
-            if self._is_off(*pair) and self._depth(rest, *pair) <= 0
+            if self._is_off(rest, *pair)
         ]
         self.is_off = bool(self._pairs)
         self._counts = dict.fromkeys(self._pairs, 0)
@@ -59,19 +62,18 @@ class Overlap:
         for pair in found:
             self._counts[pair] += 1
 
-    def _is_off(self, one: int, other: int) -> bool:
+    def _is_off(self, rest: mujoco.MjData, one: int, other: int) -> bool:
         model = self._model
-        bodies = model.geom_bodyid[[one, other]]
-        welded = model.body_weldid[bodies]
+        welded = model.body_weldid[model.geom_bodyid[[one, other]]]
         parents = model.body_weldid[model.body_parentid[welded]]
         if welded[0] == welded[1] or welded[0] == parents[1] or welded[1] == parents[0]:
             return False  # joined to each other
-        return not (
-            model.geom_contype[one] & model.geom_conaffinity[other]
-            or model.geom_contype[other] & model.geom_conaffinity[one]
-        )
+        if parents[0] == parents[1] and (model.body_jntnum[welded] > 0).all():
+            anchors = rest.xanchor[model.body_jntadr[welded]]
+            if np.allclose(*anchors):
+                return False  # both hang on the same point, as the thighs of a planar walker
+        return not may_collide(model, one, other)
 
     def _depth(self, data: mujoco.MjData, one: int, other: int) -> float:
         distance: float = mujoco.mj_geomDistance(self._model, data, one, other, 0.0, None)
-        thinner = float(self._model.geom_size[[one, other], 0].min())
-        return max(0.0, -distance) / thinner
+        return max(0.0, -distance) / float(self._radii[[one, other]].min())

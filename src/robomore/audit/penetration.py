@@ -28,12 +28,17 @@ def check(subject: Subject) -> Verdict:
         outcome = "fails"
     elif seen.deep_share > WARNS_ABOVE:
         outcome = "warns"
+    said = "No limb goes into the ground."
+    if depth > 0:
+        said = (
+            f"{part} goes {number(depth, 2)} radii into the ground at most; some limb is deeper "
+            f"than its own radius for {100 * seen.deep_share:.1f} % of the time. What touches the "
+            f"ground is {1000 * seen.usual_depth:.0f} mm deep in the median."
+        )
     return Verdict(
         "penetration",
         outcome,
-        f"{part} goes {number(depth, 2)} radii into the ground at most; some limb is deeper than "
-        f"its own radius for {100 * seen.deep_share:.1f} % of the time. What touches the ground is "
-        f"{1000 * seen.usual_depth:.0f} mm deep in the median.",
+        said,
         {
             "deepest_radii": depth,
             "deep_share": seen.deep_share,

@@ -18,8 +18,8 @@ the run's."""
 def check(subject: Subject) -> Verdict:
     """Measure in episodes that no measurement of a run uses."""
     name = "other seeds"
-    found = subject.measured()
-    if found is None:
+    found, worth = subject.measured(), subject.worth()
+    if found is None or worth is None:
         return Verdict(name, "fails", "In episodes with other seeds the physics diverges.")
     low, high = min(found.episode_fitness), max(found.episode_fitness)
     said = (
@@ -28,15 +28,18 @@ def check(subject: Subject) -> Verdict:
     )
     numbers = {"fitness": found.fitness, "lowest": low, "highest": high}
     if subject.reported is None:
-        return Verdict(name, "passes", f"{said}; the run tells no number.", numbers)
+        return Verdict(name, "skipped", f"{said}; nothing tells a number to compare.", numbers)
     numbers[REPORTED] = subject.reported
-    share = found.fitness / subject.reported if subject.reported > 0 else 1.0
+    said += f"; the run tells {_told(subject.reported, subject)}"
+    at_rest = found.fitness - worth
+    if at_rest:
+        said += f"; {_told(at_rest, subject)} of each are its height at rest"
+    reported = subject.reported - at_rest
+    share = worth / reported if reported > 0 else 1.0
     outcome: Outcome = (
         "fails" if share < FAILS_BELOW else "warns" if share < WARNS_BELOW else "passes"
     )
-    return Verdict(
-        name, outcome, f"{said}; the run tells {_told(subject.reported, subject)}.", numbers
-    )
+    return Verdict(name, outcome, f"{said}.", numbers)
 
 
 def _told(value: float, subject: Subject) -> str:

@@ -17,8 +17,10 @@ def check(subject: Subject) -> Verdict:
     seen = subject.inspection
     if seen is None:
         return Verdict(name, "fails", "The physics diverges.")
-    if not seen.support:
+    if not seen.has_ground:
         return Verdict(name, "skipped", "Nothing in this task touches a ground.")
+    if not seen.support:
+        return Verdict(name, "skipped", "The robot never touched the ground.")
     model = compile_model(subject.task, subject.parameters)
     parts = [
         model.geom(g).name or f"geom {g}"

@@ -30,7 +30,7 @@ class Variant:
         solver: name of `mujoco.mjtSolver` without its prefix; empty for the task's own.
         mass: factor of all masses and inertias of the robot.
         friction: factor of all sliding frictions, the ground's too.
-        motors: factor of all motors' gears.
+        motors: factor of the force of all motors, and of its limits. A servo's target stays.
         observation_noise: standard deviation of the noise on each observation, as a fraction of
             how far that observation itself spreads.
         action_noise: standard deviation of the noise on each action, of at most 1.
@@ -72,7 +72,7 @@ class VariedEnv(MeasuredEnv):
         model.body_mass *= variant.mass
         model.body_inertia *= variant.mass
         model.geom_friction[:, 0] *= variant.friction
-        model.actuator_gear *= variant.motors
+        _scale_motors(model, variant.motors)
         if variant.mass != 1:
             # What MuJoCo derives from the masses at compilation.
             mujoco.mj_setConst(model, mujoco.MjData(model))
@@ -88,6 +88,20 @@ class VariedEnv(MeasuredEnv):
                 direction = (0.0, 1.0, 0.0) if sideways else (-1.0, 0.0, 0.0)
                 data.xfrc_applied[1, :3] = np.multiply(direction, self._push if pushed else 0.0)
         super()._simulate()
+
+
+def _scale_motors(model: mujoco.MjModel, factor: float) -> None:
+    """Scale what motors give. A gear would turn a servo's target as well."""
+    muscle = model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE
+    numbers = np.arange(mujoco.mjNGAIN)
+    # Of a muscle's numbers only these are forces: its largest one, or what that is made from.
+    are_forces = ~muscle[:, None] | np.isin(numbers, (2, 3))
+    scale = np.where(are_forces, factor, 1.0)
+    model.actuator_gainprm *= scale
+    model.actuator_biasprm *= scale
+    model.actuator_forcerange *= factor
+    model.jnt_actfrcrange *= factor
+    model.tendon_actfrcrange *= factor
 
 
 class NoisyPolicy:

@@ -9,6 +9,8 @@ import numpy as np
 
 _ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
+_WITHOUT_AXIS = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL)
+
 
 def motor_force(model: mujoco.MjModel, motor: int) -> float:
     """Return the largest force (N) or torque (N m) of one actuator behind its gear.
@@ -16,7 +18,7 @@ def motor_force(model: mujoco.MjModel, motor: int) -> float:
     The control range of a servo is an angle, so a servo has the limit of its `forcerange`, or that
     of its joint. The control range of a plain motor is a force. Infinity if nothing limits it.
     """
-    gear = abs(float(model.actuator_gear[motor, 0]))
+    gear = _gear(model, motor)
     found = math.inf
     if model.actuator_forcelimited[motor]:
         found = gear * float(np.abs(model.actuator_forcerange[motor]).max())
@@ -27,6 +29,16 @@ def motor_force(model: mujoco.MjModel, motor: int) -> float:
     if joint is not None and model.jnt_actfrclimited[joint]:
         found = min(found, float(np.abs(model.jnt_actfrcrange[joint]).max()))
     return found
+
+
+def _gear(model: mujoco.MjModel, motor: int) -> float:
+    """Return the size of a gear, which has a direction on a site and on a joint without an axis."""
+    joint = joint_of(model, motor)
+    directed = int(model.actuator_trntype[motor]) == mujoco.mjtTrn.mjTRN_SITE
+    if joint is not None:
+        directed = int(model.jnt_type[joint]) in _WITHOUT_AXIS
+    gear = model.actuator_gear[motor]
+    return float(np.linalg.norm(gear if directed else gear[:1]))
 
 
 def is_plain(model: mujoco.MjModel, motor: int) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -37,11 +39,7 @@ def audit_run(folder: str | Path, key: str | None = None) -> Audit:
             f"({', '.join(run.task_changes)}), so its policy cannot be audited; install the "
             "version that it was made with"
         )
-    if is_foreign(run.task.goal):
-        raise InputError(
-            f"the fitness of {run.task.id} is a function of its task file, which is not executed "
-            "from a run's folder, so nothing can be measured anew"
-        )
+    _refuse_foreign(run.task)
     policy = run.load_policy(key)
     evaluation = run.kept(key)
     subject = Subject(run.task, evaluation.design.morphology.parameters, policy, evaluation.fitness)
@@ -51,16 +49,26 @@ def audit_run(folder: str | Path, key: str | None = None) -> Audit:
 def audit_design(folder: Path, task: Task, parameters: Sequence[float], policy: MLPPolicy) -> Audit:
     """Audit a design of a folder with `design.json` and `policy.npz`, and write the audit there.
 
-    What an earlier audit of this policy knew of its run, the fitness that the run tells, is kept.
+    It is compared with the fitness that `design.json` tells: of its training seeds that of the
+    best, which a policy is kept of, unless an earlier audit of this policy names another of them.
 
     Raises:
-        InputError: the folder cannot be written.
+        InputError: the fitness is a function of the folder, or the folder cannot be written.
     """
+    _refuse_foreign(task)
     files = PlainFolder(folder)
-    told = _told_by_run(files, policy)
+    told = _told_by_design(files, policy)
     found = audit(Subject(task, task.check(parameters), policy, told))
     _write(files, AUDIT, found)
     return found
+
+
+def _refuse_foreign(task: Task) -> None:
+    if is_foreign(task.goal):
+        raise InputError(
+            f"the fitness of {task.id} is a function of its task file, which is not executed from "
+            "a folder, so nothing can be measured anew"
+        )
 
 
 def _earlier(files: PlainFolder, name: str, policy: MLPPolicy) -> Audit | None:
@@ -72,11 +80,17 @@ def _earlier(files: PlainFolder, name: str, policy: MLPPolicy) -> Audit | None:
     return earlier if earlier and earlier.policy == policy.digest else None
 
 
-def _told_by_run(files: PlainFolder, policy: MLPPolicy) -> float | None:
+def _told_by_design(files: PlainFolder, policy: MLPPolicy) -> float | None:
+    try:
+        told = json.loads(files.read("design.json"))["fitness"]
+        fitness = [float(one) for one in told if one is not None and math.isfinite(one)]
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None  # a design that a user wrote tells none
     earlier = _earlier(files, AUDIT, policy)
-    if earlier is None:
-        return None
-    return next((v.numbers[REPORTED] for v in earlier.verdicts if REPORTED in v.numbers), None)
+    for verdict in earlier.verdicts if earlier else ():
+        if verdict.numbers.get(REPORTED) in fitness:
+            return verdict.numbers[REPORTED]
+    return max(fitness, default=None)
 
 
 def no_doubt(group: Sequence[Evaluation]) -> str:
