@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import untrained  # noqa: F401  # makes its executor known
@@ -23,6 +24,8 @@ from robomore.runs.audits import audit_of
 from robomore.settings import preset
 from robomore.store import RunFolder
 from robomore.store.audit import AUDIT, load_audit, save_audit
+from robomore.tasks import get_task
+from robomore.training.policy import MLPPolicy
 
 
 @pytest.fixture
@@ -48,6 +51,14 @@ def test_a_file_that_is_no_audit(content: bytes, tmp_path: Path) -> None:
     (tmp_path / AUDIT).write_bytes(content)
     with pytest.raises(ValueError, match=AUDIT):
         load_audit(PlainFolder(tmp_path), AUDIT)
+
+
+def test_a_policy_of_another_robot_is_refused(tmp_path: Path) -> None:
+    task = get_task("swimmer")
+    layer = np.zeros((27, 8), np.float32)
+    ants = MLPPolicy((layer,), (np.zeros(8, np.float32),))
+    with pytest.raises(InputError, match="takes 27 numbers and gives 8, where this robot of swim"):
+        auditing.audit_design(tmp_path, task, task.reference, ants)
 
 
 def test_a_group_of_the_final_is_doubted_by_an_audit_of_its_own_policy(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from robomore.audit import Audit, Subject, audit
 from robomore.audit.seeds import REPORTED
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import FitnessFailed, InputError
 from robomore.evaluation.evaluator import Evaluator
 from robomore.plain_files import PlainFolder
@@ -30,7 +31,8 @@ def audit_run(folder: str | Path, key: str | None = None) -> Audit:
         key: of the evaluation, or its beginning; the champion's best training seed by default.
 
     Raises:
-        InputError: there is no such run, evaluation or policy, or the folder cannot be written.
+        InputError: there is no such run, evaluation or policy, the policy is of another robot, or
+            the folder cannot be written.
     """
     run = load_run(folder)
     if run.task_changes:
@@ -42,7 +44,9 @@ def audit_run(folder: str | Path, key: str | None = None) -> Audit:
     _refuse_foreign(run.task)
     policy = run.load_policy(key)
     evaluation = run.kept(key)
-    subject = Subject(run.task, evaluation.design.morphology.parameters, policy, evaluation.fitness)
+    parameters = evaluation.design.morphology.parameters
+    _refuse_another_robot(run.task, parameters, policy)
+    subject = Subject(run.task, parameters, policy, evaluation.fitness)
     return _written(RunFolder(run.folder), evaluation.artifact, audit(subject))
 
 
@@ -53,9 +57,11 @@ def audit_design(folder: Path, task: Task, parameters: Sequence[float], policy: 
     best, which a policy is kept of, unless an earlier audit of this policy names another of them.
 
     Raises:
-        InputError: the fitness is a function of the folder, or the folder cannot be written.
+        InputError: the fitness is a function of the folder, the policy is of another robot, or the
+            folder cannot be written.
     """
     _refuse_foreign(task)
+    _refuse_another_robot(task, task.check(parameters), policy)
     files = PlainFolder(folder)
     told = _told_by_design(files, policy)
     found = audit(Subject(task, task.check(parameters), policy, told))
@@ -68,6 +74,17 @@ def _refuse_foreign(task: Task) -> None:
         raise InputError(
             f"the fitness of {task.id} is a function of its task file, which is not executed from "
             "a folder, so nothing can be measured anew"
+        )
+
+
+def _refuse_another_robot(task: Task, parameters: Sequence[float], policy: MLPPolicy) -> None:
+    robot = VectorEnv(task, parameters, 1)
+    wanted = robot.observation_size, robot.action_size
+    if (policy.sizes[0], policy.sizes[-1]) != wanted:
+        raise InputError(
+            f"the policy takes {policy.sizes[0]} numbers and gives {policy.sizes[-1]}, where this "
+            f"robot of {task.id} has {wanted[0]} observations and {wanted[1]} motors; name the "
+            "folder of the design that it was trained with"
         )
 
 
