@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 
 from robomore.envs.vector_env import VectorEnv
+from robomore.errors import InputError
 from robomore.importer.proposal import write_proposal
 from robomore.importer.reading import read_robot
 from robomore.importer.task_file import ReadTask, read_task_file
+from robomore.importer.template import TemplateWriter
 from robomore.search.slim_reference import thinnest
 from robomore.tasks.portable import task_content, task_from_content
 from robomore.tasks.unit_space import UnitSpace
@@ -91,3 +93,28 @@ def test_lengths_of_solids_without_a_radius_are_no_radii(tmp_path: Path) -> None
         slimmed = dict(zip(names, thinnest(one).parameters, strict=True))
         assert slimmed["thigh_length"] == pytest.approx(0.3)
         assert slimmed["thigh_radius"] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ('size="0.1"', 'size="0.2"', "reaches 0.2 m from its middle and not 0.1 m"),
+        ('density="1000"', 'density="1200"', "it weighs .* kg and not .* kg"),
+    ],
+)
+def test_a_template_that_makes_another_robot_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, old: str, new: str, fault: str
+) -> None:
+    source = tmp_path / "leg.xml"
+    source.write_text(LEG.format(""))
+    file = write_proposal(read_robot(source), source, tmp_path / "task", ())
+    right = TemplateWriter.text
+    assert old in right(TemplateWriter(read_robot(source), ()))
+
+    def wrong(writer: TemplateWriter) -> str:
+        # The same weight, where it is the size that differs.
+        return right(writer).replace(old, new + (' mass="4.18879"' if "size" in new else ""))
+
+    monkeypatch.setattr(TemplateWriter, "text", wrong)
+    with pytest.raises(InputError, match=fault):
+        read_task_file(file)

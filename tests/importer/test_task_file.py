@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 
 import mujoco
@@ -320,3 +321,15 @@ def test_designers_are_told_the_names(dog: Path) -> None:
     for name in ("FL_knee", "FL_foot", "gyro", "def joint(", "def contact_force(", "_get_rew"):
         assert name in told
     assert "qpos[self._first_qpos" not in told
+
+
+def test_a_range_without_width_is_named_once(tmp_path: Path) -> None:
+    source = write_dog(tmp_path)
+    file = write_proposal(read_robot(source), source, tmp_path / "dog")
+    text = re.sub(
+        r"^low = .*\nhigh = .*", "low = 0.3\nhigh = 0.3", file.read_text(), count=1, flags=re.M
+    )
+    file.write_text(text)
+    with pytest.raises(InputError, match=r"0\.3") as refused:
+        read_task_file(file)
+    assert "which is outside" not in str(refused.value)

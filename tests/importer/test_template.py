@@ -164,6 +164,33 @@ def test_a_mesh_grows_along_its_link_wherever_it_lies_in_its_file(
         np.testing.assert_allclose(spans, wanted, atol=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("classes", "worn"),
+    [
+        ('<default><mesh scale="0.001 -0.001 0.001"/></default>', ""),
+        (
+            '<default><default class="mm"><mesh scale="0.001 -0.001 0.001"/></default></default>',
+            'class="mm"',
+        ),
+    ],
+)
+def test_a_mesh_keeps_the_scale_that_its_class_says(
+    tmp_path: Path, classes: str, worn: str
+) -> None:
+    (tmp_path / "flat.obj").write_text(bar(300, 30, 20))
+    (tmp_path / "upright.obj").write_text(bar(40, 20, 150))
+    text = BARS.replace("<asset>", f"{classes}<asset>").replace("<mesh file", f"<mesh {worn} file")
+    (tmp_path / "bars.xml").write_text(text)
+    robot = read_robot(tmp_path / "bars.xml")
+    edits = [Edit("upper_length", "length", ("upper",), 0.3)]
+    filled = fill(TemplateWriter(robot, edits).text(), {"upper_length": 0.3})
+    made = mujoco.MjSpec.from_string(filled, assets=robot.assets).compile()
+    for name in ("flat", "turned"):
+        np.testing.assert_allclose(
+            sides(made, name), sides(robot.spec().compile(), name), atol=1e-5
+        )
+
+
 HUNG_FROM_THE_MIDDLE = """<mujoco><worldbody><body name="torso" pos="0 0 1"><freejoint/>
 <geom type="box" size="0.2 0.1 0.05" mass="4"/>
 <body name="thigh" pos="0 0 -0.2"><joint name="hip" axis="0 1 0" pos="0 0 0.2"/>

@@ -193,3 +193,12 @@ def test_a_function_of_one_s_own_is_part_of_the_task() -> None:
 def test_a_faulty_function_fails_with_a_diagnosis(function: Any, said: str) -> None:
     with pytest.raises(FitnessFailed, match=said):
         Fitness.own(function, unit="", meaning="broken")(at(1.0, 1))
+
+
+def test_a_sum_without_a_finite_value_fails_with_a_diagnosis() -> None:
+    def large(episode: Trajectory) -> float:
+        return 1e300
+
+    one = Fitness.own(large, unit="", meaning="large")
+    with pytest.raises(FitnessFailed, match="gave inf; use smaller weights"):
+        Fitness.sum((1e10, one), (1.0, one))(at(1.0, 1))

@@ -26,7 +26,7 @@ from robomore.tasks.repeats import expanded
     [
         ('<hfield nrow="100000" ncol="100000"/>', "asks for 10,000,000,000 values"),
         ('<hfield nrow="-100000" ncol="100000"/>', "values"),
-        ('<hfield nrow="{a}" ncol="2"/>', "has nrow '{a}'; give a whole number"),
+        ('<asset><hfield nrow="{a}" ncol="2"/></asset>', "has nrow '{a}'; give a whole number"),
         ('<hfield nrow="1e9" ncol="2"/>', "give a whole number"),
         ('<texture width="99999" height="99999"/>', "<texture>"),
         ('<size nconmax="999999999"/>', "<size>"),
@@ -34,6 +34,10 @@ from robomore.tasks.repeats import expanded
         ('<size memory="9999999k"/>', "asks for the memory"),
         ('<flexcomp count="100 100 100"/>', "more than 20,000 elements"),
         ('<replicate count="300"><replicate count="300"><a/></replicate></replicate>', "copies"),
+        ('<repeat count="{a}"><a/></repeat>', "<repeat> in its template has count '{a}'"),
+        ('<option timestep="{a}"/>', "<option> in its template depends on parameters"),
+        ('<visual><quality shadowsize="{a}"/></visual>', "<visual> in its template depends"),
+        ("<!-- -->", "holds comments or declares entities"),
         ("<a/>" * 20_001, "more than 20,000 elements"),
     ],
 )

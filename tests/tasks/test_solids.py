@@ -11,6 +11,7 @@ from robomore.envs.compile import compile_model, model_volume
 from robomore.errors import InputError
 from robomore.tasks import TASKS, Capsule, get_task
 from robomore.tasks.solids import solids
+from robomore.tasks.template import fill
 
 VOLUMES = {
     "ant": 0.18217601654147828,
@@ -69,3 +70,12 @@ def test_a_template_that_reads_a_file_says_how_it_travels() -> None:
     mesh = '<asset><mesh name="shell" file="meshes/shell.obj"/></asset><worldbody>'
     with pytest.raises(InputError, match=r"reads the file 'meshes/shell\.obj'.* into `assets`"):
         replace(swimmer, template=swimmer.template.replace("<worldbody>", mesh))
+
+
+def test_sizes_are_computed_with_floats_as_the_template_is_filled() -> None:
+    # Whole numbers that differ by 1, and that are the same as floats.
+    size = "{1 + 9007199254740993 - 9007199254740992 - 1}"
+    (ball,) = solids(
+        f'<mujoco><worldbody><body><geom size="{size}"/></body></worldbody></mujoco>', {}
+    )
+    assert ball.radius == float(fill(size, {}))

@@ -197,3 +197,9 @@ def test_fill_keeps_what_is_masked() -> None:
 def test_fill_is_arithmetic_only(text: str) -> None:
     with pytest.raises((ValueError, KeyError)):
         fill(text, {"a": 2})
+
+
+@pytest.mark.parametrize("inside", ["1 # x", "1 # --><include/>", "a if 1 else b", "'1'", "a[0]"])
+def test_braces_hold_arithmetic_alone(inside: str) -> None:
+    with pytest.raises(ValueError, match="in a template"):
+        fill(f'<mujoco a="{{{inside}}}"/>', {"a": 1.0, "b": 2.0})

@@ -34,6 +34,9 @@ from robomore.tasks.template import fill
 _SUNK = 0.001
 """Depth in m inside the floor that a robot which is fixed to the world may rest at."""
 
+_SAME = 1e-3
+"""Share of a robot's mass and size by which its template may miss them: digits are few in MJCF."""
+
 TARGET = "target_place"
 """Name of the site at the place that is to be reached."""
 
@@ -91,7 +94,8 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
     """Return the task, and what was chosen or changed on the way, in words.
 
     Raises:
-        InputError: the robot has no motors, or the plan names parts that it lacks.
+        InputError: the robot has no motors, the plan names parts that it lacks, or the template is
+            another robot at the reference.
     """
     notes: list[str] = []
     writer = TemplateWriter(robot, plan.edits, plan.motors, plan.mass, plan.payload)
@@ -115,6 +119,7 @@ def build(robot: Robot, plan: Plan) -> tuple[Task, tuple[str, ...]]:
             f"{plan.id}: the robot has no motors, so nothing can be learned; add an <actuator> "
             "section to its MJCF, or [[actuator]] tables to the task file"
         )
+    _refuse_another_robot(plan.id, model, rest)
     _refuse_to_fall(plan.id, rest)
     known = [rest.sensor(number).name for number in range(rest.nsensor)]
     if missing := [name for name in plan.sensors if name not in known]:
@@ -233,6 +238,32 @@ def _refuse_low_root(plan: Plan, model: mujoco.MjModel, pose: NDArray[np.float64
             f"{plan.id}: the root `{model.body(1).name}` rests on the floor, so that [health] "
             f"height = {list(plan.healthy_height)} in multiples of its height ends every episode; "
             "leave that line out, or place the root's frame higher up in the robot's file"
+        )
+
+
+def _refuse_another_robot(id: str, read: mujoco.MjModel, made: mujoco.MjModel) -> None:
+    """Refuse a template that does not give the robot back which was read.
+
+    Raises:
+        InputError: with what differs.
+    """
+    faults = []
+    masses = [float(one.body_mass[1:].sum()) for one in (read, made)]
+    if not math.isclose(*masses, rel_tol=_SAME):
+        faults.append(f"it weighs {masses[1]:.4g} kg and not {masses[0]:.4g} kg")
+    for geom in np.flatnonzero(read.geom_bodyid):
+        name = read.geom(geom).name
+        sizes = [float(one.geom_rbound[one.geom(name).id]) for one in (read, made)]
+        if not math.isclose(*sizes, rel_tol=_SAME):
+            faults.append(
+                f"the solid `{name}` reaches {sizes[1]:.4g} m from its middle and not "
+                f"{sizes[0]:.4g} m"
+            )
+    if faults:
+        raise InputError(
+            f"{id}: the robot that its template makes at the reference is not the one that was "
+            f"read: {faults[0]}; write the attributes of that part at the part itself, without a "
+            "class of defaults"
         )
 
 

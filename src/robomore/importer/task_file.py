@@ -129,7 +129,7 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
             lacking = parts[sizes.index(min(sizes))]
             faults.append(f"[[parameter]] {given.name}: `{lacking}` has no {given.changes}")
             continue
-        if not given.low <= reference <= given.high:
+        if given.low < given.high and not given.low <= reference <= given.high:
             faults.append(
                 f"[[parameter]] {given.name}: the robot has {reference:.4g}, which is outside "
                 f"{given.low:g} to {given.high:g}"

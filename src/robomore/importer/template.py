@@ -227,11 +227,13 @@ class TemplateWriter:
 
     def _write_mesh(self, element: ET.Element, geom: int, factors: Sequence[Amount]) -> None:
         """Give a geom its own mesh, scaled along the axes of its file."""
-        name = self._model.mesh(int(self._model.geom_dataid[geom])).name
+        mesh = int(self._model.geom_dataid[geom])
+        name = self._model.mesh(mesh).name
         first = next(m for m in self._part("asset").findall("mesh") if _mesh_name(m) == name)
         own = f"{element.get('name')}_mesh"
         copy = ET.SubElement(self._part("asset"), "mesh", {**first.attrib, "name": own})
-        scale = [float(value) for value in first.get("scale", "1 1 1").split()]
+        # The class of a mesh may say its scale, which only the compiler knows of.
+        scale = [float(value) for value in self._spec.meshes[mesh].scale]
         copy.set("scale", texts([f * s for f, s in zip(factors, scale, strict=True)]))
         element.set("mesh", own)
         self.mesh_volumes[own] = geom_volume(self._model, geom) / abs(float(np.prod(scale)))

@@ -183,9 +183,12 @@ class Fitness:
         """Return what an episode is worth.
 
         Raises:
-            FitnessFailed: a measure raised, or gave no finite number.
+            FitnessFailed: a measure raised, or it or the sum is no finite number.
         """
-        return sum(term.weight * _value(term, trajectory) for term in self.terms)
+        value = sum(term.weight * _value(term, trajectory) for term in self.terms)
+        if not math.isfinite(value):
+            raise FitnessFailed(f"the fitness {self.name!r} gave {value}; use smaller weights")
+        return value
 
 
 def per_volume(unit: str) -> str:

@@ -286,8 +286,9 @@ def refuse_files(id: str, template: str, assets: Mapping[str, bytes]) -> None:
                 ".stl, .obj or .msh"
             )
     check_meshes(id, assets)
-    if re.search(r"<!(DOCTYPE|ENTITY)", template):
-        raise InputError(f"{id}: its template declares entities; write plain MJCF")
+    # What hides a part from these checks must not come to light once the template is filled.
+    if re.search(r"<[!?]", template):
+        raise InputError(f"{id}: its template holds comments or declares entities; leave them out")
     # MuJoCo knows no namespaces: it takes `<include xmlns="…">` for an `include`.
     if "xmlns" in template:
         raise InputError(f"{id}: its template names a namespace (xmlns); write plain MJCF")

@@ -16,7 +16,11 @@ MOST_POINTS = 2**22
 
 _AREAS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 _BUFFERS = ("njmax", "nconmax", "nstack", "nuserdata", "nkey")
-_COPIES = ("replicate", "composite", "flexcomp")
+_COPIES = ("repeat", "replicate", "composite", "flexcomp")
+_MORPHOLOGY = ("worldbody", "asset", "equality", "tendon", "actuator")
+"""Sections that may depend on parameters. In others, such as <option>, a value that no check sees
+could stop a simulation."""
+
 _WHOLE = re.compile(r"[-+]?\d{1,9}")
 _MEMORY = re.compile(r"-1|\d{1,9}|\d{1,6}[kK]|\d{1,3}[mM]")
 
@@ -36,6 +40,12 @@ def check_sizes(id: str, root: ET.Element) -> None:
         raise InputError(
             f"{id}: its template makes more than {MOST_PARTS:,} elements; use fewer copies"
         )
+    for section in root:
+        free = [] if section.tag in _MORPHOLOGY else section.iter()
+        if any("{" in value for element in free for value in element.attrib.values()):
+            raise InputError(
+                f"{id}: <{section.tag}> in its template depends on parameters; write numbers there"
+            )
     for element in root.iter():
         made = [math.prod(_whole(id, element, name) for name in _AREAS.get(element.tag, ()))]
         if element.tag == "size":

@@ -158,5 +158,9 @@ def _code(text: str) -> CodeType:
     trees = [parse(braced or plain) for braced, plain in _TOKEN.findall(text)]
     for tree in trees:
         check_arithmetic(tree)
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant):
+                # As `fill` counts, too: whole numbers of Python grow without limit.
+                node.value = float(node.value)  # type: ignore[arg-type]
     whole = ast.Expression(ast.Tuple(trees, ast.Load()))
     return compile(ast.fix_missing_locations(whole), "<template>", "eval")

@@ -16,6 +16,9 @@ from importlib.resources import files
 from typing import Any
 
 PLACEHOLDER = re.compile(r"\{([^{}]+)\}")
+_ARITHMETIC = re.compile(r"[\w\s.+\-*/(),]+")
+"""What may stand in braces: nothing that XML would take for markup or Python for a comment."""
+
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -75,6 +78,8 @@ def parse(expression: str) -> ast.expr:
         ValueError: it is no expression.
     """
     try:
+        if not _ARITHMETIC.fullmatch(expression):
+            raise SyntaxError
         return ast.parse(expression.strip(), mode="eval").body
     except (SyntaxError, MemoryError, RecursionError):
         raise ValueError(f"{{{expression[:80]}}} in a template is no arithmetic") from None

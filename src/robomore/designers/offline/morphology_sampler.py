@@ -122,8 +122,7 @@ class MorphologySampler:
         limbs = [shape for shape in shapes if isinstance(shape, Capsule)]
         volume = self._task.volume(values.tolist())
         if not limbs:  # of boxes, cylinders or meshes, of which a shape tells the volume alone
-            share = volume / self._task.volume(self._task.reference)
-            return f"volume {volume:.3g} m³, {share:.0%} of the reference design's"
+            return f"volume {volume:.3g} m³"
         slenderness = np.median([limb.length / limb.radius for limb in limbs])
         build = "thin" if slenderness > 20 else "medium-thick" if slenderness > 8 else "thick"
         longest = max(limb.length for limb in limbs)

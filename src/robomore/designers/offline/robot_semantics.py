@@ -10,6 +10,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from robomore.tasks.portable import ENVIRONMENT
 from robomore.tasks.repeats import repeats
 from robomore.tasks.task import Task, with_counts
 
@@ -66,7 +67,10 @@ def robot_semantics(task: Task) -> RobotSemantics:
         return RobotSemantics({}, task.goal.motion == "upward")
     joints = _numbered(torso)
     own = [joint for joint in joints if joint.name in _names(torso.findall("joint"))]
-    found = _of_root(own)
+    # The axes of a root that is turned are not those of the world.
+    turned = not torso.get("quat", "1 0 0 0").startswith("1 0")
+    sliding = any(joint.kind == "slide" for joint in own)
+    found = {} if turned and sliding else _of_root(own)
     driven = _driven(task, joints)
     if driven and not structured:
         found["rates"] = _indexed("self.data.qvel", [joint.velocity for joint in driven])
@@ -87,6 +91,12 @@ def robot_semantics(task: Task) -> RobotSemantics:
         # On uneven ground the height of the torso says nothing.
         found = {name: text for name, text in found.items() if name not in ("height", "rest")}
     options = task.options(dict(zip(task.names, task.reference, strict=True)))
+    upright = tuple(options.get("upright", ()))
+    if task.environment == ENVIRONMENT and upright not in ((), (1.0, 0.0, 0.0, 0.0)):
+        # The axes of its root are not those of the world at rest.
+        known = {"up": "np.cos(self.tilt)", "heading": "np.cos(self.heading)"}
+        found |= {name: text for name, text in known.items() if name in found}
+        found.pop("tip", None)
     if any(name.startswith("healthy_") for name in options):
         found["falls"] = "self.is_healthy"
     elif "tip" in found:
@@ -112,10 +122,14 @@ def _of_root(joints: Sequence[_Joint]) -> dict[str, str]:
             "offset": "self.data.qpos[1]",
             "contacts": "self.data.cfrc_ext",
         }
-    if kinds != ["slide", "slide", "hinge"]:
+    if sorted(kinds) != ["hinge", "slide", "slide"]:
         return {}
-    _, across, turn = joints
-    if across.axis == "0 0 1":
+    (turn,) = (joint for joint in joints if joint.kind == "hinge")
+    slides = {joint.axis: joint for joint in joints if joint.kind == "slide"}
+    if slides.pop("1 0 0", None) is None or len(slides) != 1:
+        return {}
+    ((axis, across),) = slides.items()
+    if axis == "0 0 1":
         return {
             "height": across.angle,
             "rest": f"self.init_qpos[{across.position}]",
