@@ -128,11 +128,13 @@ def doubt(evaluator: Evaluator, task: Task, objective: str, group: Sequence[Eval
     policy = MLPPolicy.load(evaluator.folder.path / name / POLICY)
     known = _earlier(files, f"{name}/{AUDIT}", policy)
     if known is None:
-        subject = Subject(task, best.design.morphology.parameters, policy, best.fitness)
+        parameters = best.design.morphology.parameters
         try:
-            known = _written(evaluator.folder, best.artifact, audit(subject))
-        except (FitnessFailed, ValueError) as error:  # such as a policy that fits another robot
+            _refuse_another_robot(task, parameters, policy)
+            found = audit(Subject(task, parameters, policy, best.fitness))
+        except (FitnessFailed, InputError) as error:
             return f"its fitness cannot be measured in other episodes: {error}"
+        known = _written(evaluator.folder, best.artifact, found)
     return " ".join(f"{one.check}: {one.says}" for one in known.failed)
 
 

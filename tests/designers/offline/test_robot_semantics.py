@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +40,19 @@ def test_the_slides_of_a_planar_root_may_stand_in_any_order(tmp_path: Path) -> N
     assert (read["height"], read["lift"]) == ("self.data.qpos[0]", "self.data.qvel[0]")
     assert read["tip"] == "self.data.qvel[2]"
     assert "sideways" not in read and "offset" not in read
+
+
+@pytest.mark.parametrize("quat", ["0.7 0.7 0 0", "1 0.5 0 0"])
+def test_the_slides_of_a_turned_root_are_not_the_world_s(tmp_path: Path, quat: str) -> None:
+    root = (
+        '<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1"/>'
+        '<joint name="y" type="hinge" axis="0 1 0"/>'
+    )
+    planar = task(tmp_path, LEG.format(place='pos="0 0 1"', root=root, leg="0 0 0 0 0 -0.4"))
+    assert "height" in robot_semantics(planar).expressions
+    (before,) = re.findall(r'<body name="torso"[^>]*>', planar.template)
+    template = planar.template.replace(before, before.replace(">", f' quat="{quat}">'))
+    assert "height" not in robot_semantics(replace(planar, template=template)).expressions
 
 
 def test_a_root_that_is_turned_at_rest_is_upright_there(tmp_path: Path) -> None:

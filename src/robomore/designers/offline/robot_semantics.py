@@ -68,7 +68,7 @@ def robot_semantics(task: Task) -> RobotSemantics:
     joints = _numbered(torso)
     own = [joint for joint in joints if joint.name in _names(torso.findall("joint"))]
     # The axes of a root that is turned are not those of the world.
-    turned = not torso.get("quat", "1 0 0 0").startswith("1 0")
+    turned = torso.get("quat", "1 0 0 0").split() != ["1", "0", "0", "0"]
     sliding = any(joint.kind == "slide" for joint in own)
     found = {} if turned and sliding else _of_root(own)
     driven = _driven(task, joints)
