@@ -102,8 +102,8 @@ def test_the_best_of_several_policies_is_measured(
     [
         ((), "no policy"),
         ((b"no archive",), "no file of arrays"),
-        ((policy((OBSERVATIONS + 1, *HIDDEN, ACTIONS)),), "does not fit the robot"),
-        ((policy((OBSERVATIONS, *HIDDEN, ACTIONS + 1)),), "does not fit the robot"),
+        ((policy((OBSERVATIONS + 1, *HIDDEN, ACTIONS)),), "where this robot has"),
+        ((policy((OBSERVATIONS, *HIDDEN, ACTIONS + 1)),), "where this robot has"),
         ((policy((OBSERVATIONS, 17, 16, ACTIONS)),), "other layers"),
         ((policy((OBSERVATIONS, 16, ACTIONS)),), "other layers"),
         ((policy((OBSERVATIONS, 3000, 3000, ACTIONS)),), "other layers"),

@@ -57,7 +57,7 @@ def test_a_policy_of_another_robot_is_refused(tmp_path: Path) -> None:
     task = get_task("swimmer")
     layer = np.zeros((27, 8), np.float32)
     ants = MLPPolicy((layer,), (np.zeros(8, np.float32),))
-    with pytest.raises(InputError, match="takes 27 numbers and gives 8, where this robot of swim"):
+    with pytest.raises(InputError, match="gives 8, where this robot has 8 observations"):
         auditing.audit_design(tmp_path, task, task.reference, ants)
 
 

@@ -199,7 +199,7 @@ def test_a_policy_that_fits_no_robot_is_named(
     run = load_run(trained_run)
     odd = MLPPolicy((np.ones((3, 2), np.float32),), (np.zeros(2, np.float32),))
     monkeypatch.setattr(Run, "load_policy", lambda self, key=None: odd)
-    with pytest.raises(InputError, match="trainer 'crossq' maps 3 numbers to 2"):
+    with pytest.raises(InputError, match="trainer 'crossq' takes 3 numbers and gives 2"):
         export_run(run, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

@@ -6,11 +6,10 @@ from robomore.audit.subject import Subject
 from robomore.runs.words import number
 from robomore.store.audit import Outcome, Verdict
 
-DEEP = 1.0
-"""Depth in radii from which on a limb is deep: its middle line is below the surface."""
 FAILS_ABOVE, WARNS_ABOVE = 0.1, 0.05
-"""Fractions of the time in which some limb is deep. Contacts are soft, and the official
-robots' feet are deep in hard landings: Half-Cheetah's for 0.2 % of the time, Hopper's for 5.5 %."""
+"""Fractions of the time in which some limb is deeper than its radius, so that its middle line is
+below the surface. Contacts are soft, and the official robots' feet are as deep in hard landings:
+Half-Cheetah's for 0.2 % of the time, Hopper's for 5.5 %."""
 
 
 def check(subject: Subject) -> Verdict:

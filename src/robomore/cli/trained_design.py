@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robomore.cli.inputs import read_parameters, read_text
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import InputError
 from robomore.plain_files import PlainFolder
 from robomore.rendering.recording import Recording, record
@@ -45,13 +46,12 @@ class TrainedPolicy:
         Raises:
             InputError: the policy was trained for another robot.
         """
-        try:
-            return record(self.task, self.parameters, self.policy.act, self.title, seed)
-        except ValueError as error:
+        robot = VectorEnv(self.task, self.parameters, 1)
+        if misfit := self.policy.misfit(robot.observation_size, robot.action_size):
             raise InputError(
-                f"the policy of {self.title} does not fit this robot ({error}); play it with its "
-                "own design.json"
-            ) from None
+                f"the policy of {self.title} {misfit}; play it with its own design.json"
+            )
+        return record(self.task, self.parameters, self.policy.act, self.title, seed)
 
 
 def find_policies(

@@ -169,8 +169,8 @@ def _policies(job: Job, robot: VectorEnv, scratch: Path) -> Iterator[MLPPolicy]:
     hidden = getattr(settings_from(job.trainer), "net_arch", None)
     for path in sorted(scratch.glob(POLICIES))[-MOST_EVAL_CHECKPOINTS:]:
         policy = MLPPolicy.load(path)
-        if policy.sizes[0] != robot.observation_size or policy.sizes[-1] != robot.action_size:
-            raise ValueError(f"{path.name} does not fit the robot")
+        if misfit := policy.misfit(robot.observation_size, robot.action_size):
+            raise ValueError(f"{path.name} {misfit}")
         if hidden is not None and policy.sizes[1:-1] != tuple(hidden):
             raise ValueError(f"{path.name} has other layers than this trainer's")
         yield policy

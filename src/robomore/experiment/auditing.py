@@ -79,12 +79,9 @@ def _refuse_foreign(task: Task) -> None:
 
 def _refuse_another_robot(task: Task, parameters: Sequence[float], policy: MLPPolicy) -> None:
     robot = VectorEnv(task, parameters, 1)
-    wanted = robot.observation_size, robot.action_size
-    if (policy.sizes[0], policy.sizes[-1]) != wanted:
+    if misfit := policy.misfit(robot.observation_size, robot.action_size):
         raise InputError(
-            f"the policy takes {policy.sizes[0]} numbers and gives {policy.sizes[-1]}, where this "
-            f"robot of {task.id} has {wanted[0]} observations and {wanted[1]} motors; name the "
-            "folder of the design that it was trained with"
+            f"the policy {misfit}; name the folder of the {task.id} that it was trained with"
         )
 
 

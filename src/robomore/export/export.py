@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from robomore.envs.compile import compile_model
-from robomore.envs.robots import environment_class
+from robomore.envs.vector_env import VectorEnv
 from robomore.errors import ExportFailed, InputError
 from robomore.export.card import model_card
 from robomore.export.environment import environment_package, package_name, recorded
@@ -171,17 +171,11 @@ def _chosen(run: Run) -> tuple[Evaluation, MLPPolicy, str]:
         raise InputError(f"{run.folder} has nothing trained yet; wait, or run it on")
     evaluation = champion.best(run.objective)
     policy = run.load_policy(evaluation.key)
-    robot = environment_class(run.task)(
-        run.task, evaluation.design.morphology.parameters, lambda *_: (0.0, {})
-    )
-    shapes = (robot.observation_space.shape, robot.action_space.shape)
-    robot.close()  # type: ignore[no-untyped-call]
-    if shapes != ((policy.sizes[0],), (policy.sizes[-1],)):
+    robot = VectorEnv(run.task, evaluation.design.morphology.parameters, 1)
+    if misfit := policy.misfit(robot.observation_size, robot.action_size):
         raise InputError(
-            f"the policy of the trainer {evaluation.job.trainer.name!r} maps {policy.sizes[0]} "
-            f"numbers to {policy.sizes[-1]}, and this robot gives observations {shapes[0]} and "
-            f"takes actions {shapes[1]}; a policy that needs more than one observation cannot be "
-            "exported"
+            f"the policy of the trainer {evaluation.job.trainer.name!r} {misfit}; one that needs "
+            "more than one observation cannot be exported"
         )
     return evaluation, policy, champion.name
 

@@ -56,7 +56,7 @@ CRAWLER = Task(
         "drives each hinge. At rest a leg of one segment points down and outwards; with more "
         "segments the first one is level or rises and the last one points down. The goal is to "
         "run forward, in the direction of +x, by choosing the torques on the hinges. An episode "
-        "ends when the ball tilts by more than 70 degrees or sinks below 0.3 of its height."
+        "ends when the ball tilts by more than 69 degrees or sinks below 0.3 of its height."
     ),
     fitness="distance",
     template=read_asset("crawler.xml"),

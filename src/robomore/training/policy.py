@@ -41,6 +41,16 @@ class MLPPolicy:
         """Sizes of observations, of each hidden layer, and of actions."""
         return (self.weights[0].shape[0], *(weight.shape[1] for weight in self.weights))
 
+    def misfit(self, observations: int, actions: int) -> str:
+        """Return how it misfits a robot of so many observations and actions; empty if it fits."""
+        inputs, *_, outputs = self.sizes
+        if (inputs, outputs) == (observations, actions):
+            return ""
+        return (
+            f"takes {inputs} numbers and gives {outputs}, where this robot has {observations} "
+            f"observations and {actions} motors"
+        )
+
     @property
     def digest(self) -> str:
         """SHA-256 of sizes, weights and biases, whatever file they came from."""
