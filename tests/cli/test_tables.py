@@ -28,7 +28,7 @@ def test_compare_prints_a_row_for_each_run(
     said = robomore_("compare", finished, *others)
     assert said.status == 0, said.err
     head, first, second, third = said.out.splitlines()
-    assert "over the reference" in head
+    assert "found over the reference" in head
     assert first.split()[:4] == ["finished", "swimmer", "robomore", "7"]
     assert "95 % interval" in first and "5 seeds" in first
     assert second.split()[2] == "random"

@@ -49,6 +49,10 @@ def test_an_entry_is_the_champion_without_its_run(audited: Path, tmp_path: Path)
     assert entry.audit is not None and not entry.audit.passes
     assert entry.origin is not None and entry.origin.seed == 1
     assert entry.origin.role == run.champion_role
+    final = entry.origin.final_efficiency
+    assert final["found"] == run.found.efficiency.values  # type: ignore[union-attr]
+    assert final["reference"] == entry.origin.reference_efficiency
+    assert len(final["morphology_only"]) == len(entry.origin.final_fitness["reward_only"])
     assert entry.origin.settings == settings_words(run.manifest.preset, run.manifest.settings)
     assert sum(one.stat().st_size for one in folder.iterdir()) < 2**20
     with pytest.raises(InputError, match="exists"):

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-from robomore.errors import NothingTrained, ProposalFailed
+from robomore.errors import InputError, NothingTrained, ProposalFailed
 from robomore.search.measure import improves, ranked, top
 from robomore.search.robomore.branch import REPEAT, Branch
 from robomore.search.robomore.coarse import coarse
@@ -125,6 +125,17 @@ def test_adaptive_turns_leave_what_has_nothing_more_to_improve() -> None:
     assert changed[:3] == ["morphology"] * 3
     assert changed.count("reward") >= 5
     assert numbers(best.design) == (4.0, 10.0 + changed.count("reward"))
+
+
+def test_a_branch_ends_when_both_kinds_were_tried_on_its_best() -> None:
+    # One reward improves, and nothing else does; then it is the rewards' turn twice.
+    measuring = Measuring(lambda morphology, reward: min(reward, 11) - morphology)
+    settings = sizes(1, 1, survivors=1.0, max_cycles=9, patience=1, order="adaptive")
+    best, *_ = robomore(CountingDesigner(), measuring, settings)
+    changed = [batch[0].place.changed for batch in measuring.batches[1:]]
+    assert changed[:4] == ["morphology", "reward", "reward", "reward"]
+    assert numbers(best.design) == (1.0, 11.0)
+    assert "morphology" in changed[4:] and len(changed) == 6
 
 
 def test_fine_branches_share_batches_and_stop_one_by_one() -> None:
@@ -447,6 +458,24 @@ def test_what_does_not_depend_on_each_other_is_asked_for_together() -> None:
     robomore(blind, measuring, settings, map_fn=side_by_side)
     assert asked == [4, 2, 2, 2]
     assert [slot.index for slot in blind.asked[:4]] == [(3,), (2,), (1,), (0,)]
+
+
+def test_random_morphologies_meet_the_rewards_of_the_designer() -> None:
+    designer, measuring = CountingDesigner(), Measuring(lambda morphology, reward: reward)
+    settings = sizes(4, 2, max_cycles=0, first_morphologies="gaussian")
+    robomore(designer, measuring, settings)
+    (grid,) = measuring.batches
+    morphologies = {trial.design.morphology.parameters for trial in grid}
+    swimmer = get_task("swimmer").searched()
+    assert len(grid) == 8 and len(morphologies) == 4
+    assert all(swimmer.check(parameters) for parameters in morphologies)
+    assert {slot.kind for slot in designer.asked} == {"reward"} and len(designer.asked) == 2
+    again = Measuring(lambda morphology, reward: reward)
+    robomore(CountingDesigner(), again, settings)
+    assert again.batches == measuring.batches
+    assert "drawn around the reference" in RoboMoRe(settings).adds
+    with pytest.raises(InputError, match="leave one of them out"):
+        RoboMoRe(replace(settings, without=("morphology",)))
 
 
 def test_what_no_designer_proposed_is_said() -> None:

@@ -177,12 +177,8 @@ def test_figures_are_drawn(compared: tuple[Path, Results]) -> None:
 def test_every_study_tells_of_its_arms(name: str, compared: tuple[Path, Results]) -> None:
     """The runs are those of the comparison, under the names of this study's arms."""
     study = STUDIES.get(name)
-    whole, _, drawn = compared[1].cells
-    cells = [
-        (replace(whole[0], arm=arm), drawn[1] if arm.name == "random" else whole[1])
-        for arm in study.arms
-    ]
-    results = Results(tuple(cells))
+    whole, *_ = compared[1].cells
+    results = Results(tuple((replace(whole[0], arm=arm), whole[1]) for arm in study.arms))
     for told in study.tables(results):
         assert {arm.name for arm in study.arms} <= {row[1] for row in told.rows} | {
             row[0] for row in told.rows
@@ -192,8 +188,7 @@ def test_every_study_tells_of_its_arms(name: str, compared: tuple[Path, Results]
         assert draw(None).figure is not None
     if name == "diversity":
         rows = {row[1]: row for row in study.tables(results)[0].rows}
-        # Random morphologies share one reward, so nothing can be said about its words.
-        assert rows["random"][5] is None and rows["with-diversity"][4] > 0
+        assert rows["random"][4] > 0 and rows["with-diversity"][4] > 0
     if name == "transfer":
         (told,) = study.tables(results)
         assert [row[2] for row in told.rows] == [
@@ -259,11 +254,11 @@ def test_the_motivation_tells_its_four_cases(tmp_path: Path) -> None:
     (told,) = study.tables(results)
     assert told.rows[0][0] == "short-rolling" and told.rows[0][4] == 108.83
     assert "rolling" in results.runs()[0].found.design.reward.source  # type: ignore[union-attr]
-    # The paper's own volumes: fitness / efficiency.
+    # The paper's own volumes: fitness / efficiency; its two short cases do not agree.
     task = get_task("ant")
-    for arm, legs in zip(study.arms[1:3], (37.39 / 109.50, 59.94 / 1457.65), strict=True):
+    for arm, legs in zip(study.arms[1:3], (108.83 / 288.76, 59.94 / 1457.65), strict=True):
         volume = task.volume(arm.options["method_options"]["parameters"])
-        assert volume == pytest.approx(legs, rel=0.11)
+        assert volume == pytest.approx(legs, rel=0.01)
         assert not check_reward(arm.options["method_options"]["reward"])
 
 

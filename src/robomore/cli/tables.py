@@ -64,18 +64,20 @@ def _print(runs: tuple[Run, ...]) -> None:
     table = Table(box=None, pad_edge=False)
     for heading in ("run", "task", "method", "seed"):
         table.add_column(heading)
-    for heading in ("champion", "over the reference", "search steps", "core time"):
+    for heading in ("champion", "found", "found over the reference", "search steps", "core time"):
         table.add_column(heading, justify="right")
     for run in runs:
         manifest, champion = run.manifest, run.champion
         score = champion.score(run.objective) if champion else None
-        ratio = with_interval(run.ratio, digits=3) if run.ratio else "-"
+        found = run.found.score(run.objective) if run.found else None
+        ratio = with_interval(run.found_ratio, digits=3) if run.found_ratio else "-"
         table.add_row(
             run.folder.name,
             manifest.task,
             manifest.settings.method.name,
             str(manifest.seed),
             in_unit(score.mean, run.objective, run.fitness_unit) if score else "-",
+            in_unit(found.mean, run.objective, run.fitness_unit) if found else "-",
             ratio if run.final else "not finished",
             f"{run.search_steps:,}",
             duration(run.cost.core_seconds),

@@ -23,8 +23,10 @@ class Comparison:
         """Return one row a run; the same columns for every method.
 
         Units: fitness as the task says (`Run.fitness_unit`), volume m³, energy J, efficiency that
-        of fitness over m³. `ratio` is champion over reference in what that run compared, with its
-        95 % interval where there are seeds enough for one.
+        of fitness over m³. `found` is what the search answered, trained anew. Methods are compared
+        by it and by `found_ratio`, that over the reference. `ratio` is champion over reference: the
+        champion is the best of all pairs of the final, so that more pairs have more luck. A ratio
+        has its 95 % interval where there are seeds enough for one.
         """
         return [_row(run) for run in self.runs]
 
@@ -47,8 +49,6 @@ def compare(runs: Sequence[Run | str | Path]) -> Comparison:
 
 def _row(run: Run) -> Row:
     manifest, champion, reference = run.manifest, run.champion, run.reference
-    found = champion.score(run.objective) if champion else None
-    low, high = (run.ratio.interval if run.ratio else None) or (None, None)
     return {
         "run": str(run.folder),
         "task": manifest.task,
@@ -58,11 +58,11 @@ def _row(run: Run) -> Row:
         "seed": manifest.seed,
         "finished": run.final,
         "objective": run.objective,
-        "champion": _mean(found),
+        "champion": _mean(champion.score(run.objective) if champion else None),
+        "found": _mean(run.found.score(run.objective) if run.found else None),
         "reference": _mean(reference.score(run.objective) if reference else None),
-        "ratio": _mean(run.ratio),
-        "ratio_low": low,
-        "ratio_high": high,
+        **_ratio("ratio", run.ratio),
+        **_ratio("found_ratio", run.found_ratio),
         "final_seeds": len(champion.trained) if champion and run.final else 0,
         "fitness": _mean(champion.fitness if champion else None),
         "volume": champion.volume if champion else None,
@@ -75,6 +75,11 @@ def _row(run: Run) -> Row:
         "steps": run.cost.steps,
         "core_seconds": run.cost.core_seconds,
     }
+
+
+def _ratio(name: str, measured: Spread | None) -> Row:
+    low, high = (measured.interval if measured else None) or (None, None)
+    return {name: _mean(measured), f"{name}_low": low, f"{name}_high": high}
 
 
 def _mean(measured: Spread | None) -> float | None:

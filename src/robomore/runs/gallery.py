@@ -19,6 +19,7 @@ from robomore.plain_files import PlainFolder, is_plain_name
 from robomore.runs.audits import audit_beside, audit_of
 from robomore.runs.loading import stored_task
 from robomore.runs.run import Run
+from robomore.runs.trained import TrainedDesign
 from robomore.store import RunFolder
 from robomore.store.audit import AUDIT, Audit, load_audit, save_audit
 from robomore.store.champion import check_sums, write_design, write_sums
@@ -27,6 +28,7 @@ from robomore.text import to_json
 from robomore.training.policy import POLICY, MLPPolicy
 
 DESIGN, ORIGIN = "design.json", "origin.json"
+_ROLES = ("found", "morphology_only", "reward_only", "reference")
 _MOST_BYTES = 2**20
 
 
@@ -46,6 +48,9 @@ class Origin:
         reference_fitness: of the reference design in the same final, one for each seed, in the
             goal's unit.
         reference_efficiency: likewise, over the volume in m³.
+        final_fitness: of each pair of the final by its role, one for each seed that trained, in the
+            goal's unit; empty in entries of older versions.
+        final_efficiency: likewise, over the volume in m³.
         versions: of the packages that decide the numbers.
         containment: how rewards were kept in, where that was not strictly; else empty.
     """
@@ -60,6 +65,8 @@ class Origin:
     steps: int = 0
     reference_fitness: tuple[float, ...] = ()
     reference_efficiency: tuple[float, ...] = ()
+    final_fitness: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    final_efficiency: dict[str, tuple[float, ...]] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)
     containment: str = ""
 
@@ -187,10 +194,10 @@ def add_entry(run: Run, gallery: Path) -> Path:
         seed=manifest.seed,
         role=run.champion_role,
         steps=best.job.steps,
-        reference_fitness=reference.fitness.values if reference and reference.fitness else (),
-        reference_efficiency=(
-            reference.efficiency.values if reference and reference.efficiency else ()
-        ),
+        reference_fitness=_values(reference, "fitness"),
+        reference_efficiency=_values(reference, "efficiency"),
+        final_fitness={role: _values(getattr(run, role), "fitness") for role in _ROLES},
+        final_efficiency={role: _values(getattr(run, role), "efficiency") for role in _ROLES},
         versions=manifest.versions,
         containment=run.containment,
     )
@@ -210,6 +217,11 @@ def add_entry(run: Run, gallery: Path) -> Path:
             f"cannot write to {gallery / name} ({error.strerror}); name another --out"
         ) from None
     return gallery / name
+
+
+def _values(design: TrainedDesign | None, objective: str) -> tuple[float, ...]:
+    score = design.score(objective) if design else None
+    return score.values if score else ()
 
 
 def _mean(values: tuple[float | None, ...]) -> float | None:

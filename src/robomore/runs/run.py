@@ -18,10 +18,10 @@ from robomore.runs.lineage import Record, ancestry, best_of, spent_seconds, trai
 from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.pareto import covered, pareto_set
 from robomore.runs.table import Row, dataframe, rows
-from robomore.runs.trained import TrainedDesign, trained_design
+from robomore.runs.trained import TrainedDesign, over, trained_design
 from robomore.runs.warnings import warnings_about
 from robomore.settings import Objective
-from robomore.statistics.spread import Spread, ratio
+from robomore.statistics.spread import Spread
 from robomore.store import Ledger, Manifest, RunFolder
 from robomore.store.schema import Proposal
 from robomore.tasks import Task
@@ -133,17 +133,22 @@ class Run:
     @cached_property
     def efficiency_ratio(self) -> Spread | None:
         """Champion's efficiency over the reference's."""
-        return _ratio(self.champion, self.reference, "efficiency")
+        return over(self.champion, self.reference, "efficiency")
 
     @cached_property
     def fitness_ratio(self) -> Spread | None:
         """Champion's fitness over the reference's."""
-        return _ratio(self.champion, self.reference, "fitness")
+        return over(self.champion, self.reference, "fitness")
 
     @cached_property
     def ratio(self) -> Spread | None:
         """Champion over reference in what the search compared."""
-        return _ratio(self.champion, self.reference, self.objective)
+        return over(self.champion, self.reference, self.objective)
+
+    @cached_property
+    def found_ratio(self) -> Spread | None:
+        """What the search answered over the reference, whether or not it became the champion."""
+        return over(self.found, self.reference, self.objective)
 
     @property
     def headline(self) -> Spread | None:
@@ -363,11 +368,3 @@ class Run:
         if self.champion is None or not self.champion.trained:
             raise InputError(f"{self.folder} has nothing trained yet; wait, or run it on")
         return self.champion.best(self.objective)
-
-
-def _ratio(
-    champion: TrainedDesign | None, reference: TrainedDesign | None, objective: str
-) -> Spread | None:
-    above = champion.score(objective) if champion else None
-    below = reference.score(objective) if reference else None
-    return ratio(above.values, below.values) if above and below else None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import fmean
 
 from robomore.errors import InputError
-from robomore.statistics.spread import Spread, spread
+from robomore.statistics.spread import Spread, ratio, spread
 from robomore.store.champion import best_seed
 from robomore.tasks import Task
 from robomore.types import Design, Evaluation
@@ -93,3 +93,9 @@ def trained_design(name: str, task: Task, evaluations: Sequence[Evaluation]) -> 
         body=next((e.body for e in evaluations if e.body), {}),
         evaluations=tuple(evaluations),
     )
+
+
+def over(above: TrainedDesign | None, below: TrainedDesign | None, objective: str) -> Spread | None:
+    """Return the ratio of two designs in an objective; `None` where one of them has no score."""
+    first, second = (one.score(objective) if one else None for one in (above, below))
+    return ratio(first.values, second.values) if first and second else None

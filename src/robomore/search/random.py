@@ -26,6 +26,9 @@ LEAST_SHARE = 0.1
 """A parameter whose reference value is near 0 varies as if it were this fraction of its range."""
 
 STAGE = "samples"
+DEVIATION = 0.5
+"""Standard deviation of each parameter, as a fraction of its reference value. A half gives about
+the coefficient of variation that the paper reports (Table 3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +37,8 @@ class RandomSettings:
 
     samples: Annotated[int, msgspec.Meta(ge=1)] | None = None
     """Morphologies to draw; by default as many as the preset's search has full trainings."""
-    deviation: Annotated[float, msgspec.Meta(gt=0)] = 0.5
-    """Standard deviation of each parameter, as a fraction of its reference value. A half gives
-    about the coefficient of variation that the paper reports (Table 3)."""
+    deviation: Annotated[float, msgspec.Meta(gt=0)] = DEVIATION
+    """Standard deviation of each parameter, as a fraction of its reference value."""
 
 
 class RandomSearch:

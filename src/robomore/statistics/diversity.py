@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from statistics import fmean, stdev
 
 _TOKEN = re.compile(r"\w+|[^\w\s]")
+_COMMENT = re.compile(r"#.*")
 _ORDER = 4
 
 
@@ -34,8 +35,8 @@ def coefficient_of_variation(rows: Sequence[Sequence[float]]) -> float:
 
 
 def tokens(text: str) -> list[str]:
-    """Return the words, numbers and signs of a program text, in order."""
-    return _TOKEN.findall(text)
+    """Return the words, numbers and signs of a program text without its comments, in order."""
+    return _TOKEN.findall(_COMMENT.sub("", text))
 
 
 def self_bleu(texts: Sequence[Sequence[str]]) -> float:
@@ -59,7 +60,8 @@ def bleu(text: Sequence[str], references: Sequence[Sequence[str]]) -> float:
 
     As sacrebleu computes it for sentences: a length of n-grams that has no match counts as half a
     match, the next one as a quarter, and so on (smoothing "exp"); lengths beyond the text's own do
-    not count; a text shorter than the reference of the nearest length is penalised.
+    not count; a text shorter than the reference of the nearest length is penalised. Where not even
+    a word matches, sacrebleu returns 0, and this a small number.
 
     Args:
         text: tokens.

@@ -8,6 +8,7 @@ from statistics import fmean
 import numpy as np
 
 from robomore.runs import Run
+from robomore.runs.lineage import Record
 from robomore.statistics import coefficient_of_variation, self_bleu
 from robomore.statistics.diversity import tokens
 from robomore.studies.study import PROPOSED, Arm, Results, Study
@@ -22,11 +23,14 @@ def _tables(results: Results) -> list[Table]:
     rows: list[tuple[Entry, ...]] = []
     for task in results.tasks:
         # One ruler for all arms: how far a measure spreads over everything that was trained.
-        everyone = [e for run in results.runs(task) for e in _first(run)]
+        everyone = [r.evaluation for run in results.runs(task) for r in _first(run)]
         for arm in results.arms:
             runs = [first for run in results.runs(task, arm) if (first := _first(run))]
             scores = [
-                s for first in runs for e in first if (s := e.score(results.objective)) is not None
+                score
+                for first in runs
+                for record in first
+                if (score := record.evaluation.score(results.objective)) is not None
             ]
             rows.append(
                 (
@@ -36,7 +40,7 @@ def _tables(results: Results) -> list[Table]:
                     max(scores, default=None),
                     _mean([_variation(first) for first in runs]),
                     _mean([_self_bleu(first) for first in runs]),
-                    _mean([_behaviour(first, everyone) for first in runs]),
+                    _mean([_behaviour([r.evaluation for r in first], everyone) for first in runs]),
                     sum(map(len, runs)),
                 )
             )
@@ -50,32 +54,34 @@ def _tables(results: Results) -> list[Table]:
                     "variation of morphologies",
                     "Self-BLEU of rewards",
                     "spread of gaits",
-                    "designs",
+                    "pairs",
                 ),
             ),
             tuple(rows),
+            "Every pair of the grid counts, and so does a proposal that repeats an earlier one. "
             "Variation: the standard deviation over the mean of each parameter, averaged; more is "
-            "more diverse. Self-BLEU: what rewards share in words; less is more diverse. Spread of "
-            "gaits: the mean distance between two designs in stride, amplitude, contact and speed, "
-            "each divided by its standard deviation over all arms; more is more diverse.",
+            "more diverse. Self-BLEU: what rewards share in words, comments left out; less is more "
+            "diverse. Spread of gaits: the mean distance between two pairs in stride, amplitude, "
+            "contact and speed, each divided by its standard deviation over all arms; more is more "
+            "diverse.",
         )
     ]
 
 
-def _first(run: Run) -> list[Evaluation]:
-    """Return the evaluations of first proposals, which were made from no other evaluation."""
-    found = {r.evaluation.key: r.evaluation for r in run.searched if not r.place.parent}
-    return list(found.values())
+def _first(run: Run) -> list[Record]:
+    """Return the pairs of the grid, made from no other evaluation, one for each place of it."""
+    return list({r.place.index: r for r in run.searched if not r.place.parent}.values())
 
 
-def _variation(first: Sequence[Evaluation]) -> float | None:
-    rows = list(dict.fromkeys(e.design.morphology.parameters for e in first))
-    return coefficient_of_variation(rows) if len(rows) > 1 else None
+def _variation(first: Sequence[Record]) -> float | None:
+    rows = {r.place.index[0]: r.evaluation.design.morphology.parameters for r in first}
+    return coefficient_of_variation(list(rows.values())) if len(rows) > 1 else None
 
 
-def _self_bleu(first: Sequence[Evaluation]) -> float | None:
-    texts = list(dict.fromkeys(e.design.reward.source for e in first))
-    return self_bleu([tokens(text) for text in texts]) if len(texts) > 1 else None
+def _self_bleu(first: Sequence[Record]) -> float | None:
+    columns = {r.place.index[1]: r.evaluation.design.reward.source for r in first}
+    texts = [tokens(text) for text in columns.values()]
+    return self_bleu(texts) if len(texts) > 1 else None
 
 
 def _behaviour(first: Sequence[Evaluation], everyone: Sequence[Evaluation]) -> float | None:
@@ -103,11 +109,14 @@ def _mean(values: Sequence[float | None]) -> float | None:
     return fmean(known) if known else None
 
 
+RANDOM = Arm("random", {"method_options": {"without": ["fine"], "first_morphologies": "gaussian"}})
+"""The paper's Random Sample: random morphologies in the same grid, under the same rewards."""
+
 DIVERSITY = Study(
     name="diversity",
     summary="first proposals with and without Diversity Reflection, and random ones",
     arms=(
-        Arm("random", {"method": "random"}),
+        RANDOM,
         Arm("without-diversity", {"method_options": {"without": ["diversity", "fine"]}}),
         Arm("with-diversity", {"method_options": {"without": ["fine"]}}),
     ),

@@ -1,10 +1,11 @@
-"""The grids of the coarse stage as heat maps, with and without Diversity Reflection."""
+"""The grids of the coarse stage as heat maps, random, without and with Diversity Reflection."""
 
 from __future__ import annotations
 
 from functools import partial
 
 from robomore.runs.grid import grids
+from robomore.studies.diversity import RANDOM
 from robomore.studies.scores import found_table
 from robomore.studies.study import PROPOSED, Arm, Draw, Results, Study
 from robomore.studies.table import Table
@@ -21,8 +22,9 @@ def _figures(results: Results) -> dict[str, Draw]:
 
 HEATMAPS = Study(
     name="heatmaps",
-    summary="the grid of morphologies and rewards, log scale, with and without diversity",
+    summary="the grid of morphologies and rewards, log scale: random, with and without diversity",
     arms=(
+        RANDOM,
         Arm("without-diversity", {"method_options": {"without": ["diversity", "fine"]}}),
         Arm("with-diversity", {"method_options": {"without": ["fine"]}}),
     ),

@@ -151,8 +151,9 @@ class MorphologyOptimizer:
             for e, y in measured
         ]
         rows, effects = by_morphology(results), reward_effects(results)
-        means = [np.mean([y - effects[r] for r, y in row.items()]) for row in rows.values()]
-        counts = np.array([len(row) for row in rows.values()], float)
+        alike = [[y - effects[r] for r, ys in row.items() for y in ys] for row in rows.values()]
+        means = [np.mean(values) for values in alike]
+        counts = np.array([len(values) for values in alike], float)
         tried = np.array(list(rows), dtype=float)
         # The penalty is a guess, which the measurements correct.
         values = np.array(means, float) + self._prior.penalty(tried)

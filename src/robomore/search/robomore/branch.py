@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from statistics import fmean
 
 from robomore.search.measure import improves
+from robomore.search.robomore.turns import KINDS
+from robomore.search.starts import Kind
 from robomore.types import Evaluation
 
 _ENOUGH = 2
@@ -33,6 +35,7 @@ class Branch:
         close_call: relative difference of two scores up to which a call is close; 0 for the paper's
             rule.
         idle: cycles in a row that did not improve the best.
+        failed: kinds of which a proposal was no better, since the best was found.
         again: the best with a second seed, once it was asked for.
         differences: relative differences between two seeds of the same design.
     """
@@ -42,8 +45,13 @@ class Branch:
     history: list[Evaluation]
     close_call: float = 0.0
     idle: int = 0
+    failed: set[Kind] = field(default_factory=set)
     again: Evaluation | None = None
     differences: list[float] = field(default_factory=list)
+
+    def ends(self, patience: int) -> bool:
+        """Return whether nothing improves the best: idle for so long, and both kinds were tried."""
+        return self.idle >= patience and len(self.failed) == len(KINDS)
 
     def is_close(self, new: Evaluation, objective: str) -> bool:
         """Return whether a second seed has to decide if `new` is better than the best."""
@@ -88,6 +96,7 @@ class Branch:
             )
         if better:
             self.best, self.again, self.idle = new, again, 0
+            self.failed.clear()
 
 
 def _standing(seeds: tuple[Evaluation | None, ...], objective: str) -> tuple[int, float]:

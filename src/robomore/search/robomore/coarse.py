@@ -7,9 +7,11 @@ from functools import partial
 from typing import TypeVar
 
 from robomore.designers.designer import Designer
+from robomore.identity import derive_seed
 from robomore.search.measure import Evaluate
 from robomore.search.method import SearchContext
 from robomore.search.propose import diverse, filled, independent
+from robomore.search.random import DEVIATION, drawn
 from robomore.search.robomore.planning import COARSE
 from robomore.search.robomore.screening import screened
 from robomore.search.robomore.settings import RoboMoReSettings
@@ -45,6 +47,9 @@ def coarse(
     morphologies = proposals(
         designer.propose_morphology, "morphology", settings.proposed_morphologies
     )
+    for row in range(settings.drawn_morphologies):
+        seed = derive_seed(context.seed, COARSE, "gaussian", row)
+        morphologies.append(drawn(context.task, seed, DEVIATION))
     # What a search was given to start from may stand in the grid anyway: its own line stays empty.
     if settings.slim_reference == "in":
         slim = thinnest(context.task)

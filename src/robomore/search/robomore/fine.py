@@ -41,7 +41,8 @@ def fine(
         survivors: what the branches start from.
         grid: all evaluations of the coarse stage, those that screening cut short among them.
         max_cycles: most cycles of a branch.
-        patience: cycles in a row without improvement after which a branch ends; 1 in the paper.
+        patience: cycles in a row without improvement after which a branch ends, if both kinds were
+            tried on its best; 1 in the paper.
         context: the objective, and how proposals are asked for side by side.
         close_call: relative difference of two scores up to which a second seed decides; 0 decides
             by one seed, as the paper does.
@@ -50,7 +51,7 @@ def fine(
     objective, turns = context.objective, turns or Turns()
     branches = [Branch(index, best, list(grid), close_call) for index, best in enumerate(survivors)]
     for cycle in range(max_cycles):
-        active = [branch for branch in branches if branch.idle < patience]
+        active = [branch for branch in branches if not branch.ends(patience)]
         if not active:
             break
         for branch in active:
@@ -61,8 +62,12 @@ def fine(
             before = [branch.best for branch in active]
             designs = _ask(designer, kind, active, index, context)
             _advance(evaluate, designs, index, kind, objective)
-            better = sum(branch.best is not old for branch, old in zip(active, before, strict=True))
-            turns.note(kind, better / len(active))
+            failed = [
+                branch for branch, old in zip(active, before, strict=True) if branch.best is old
+            ]
+            for branch in failed:
+                branch.failed.add(kind)
+            turns.note(kind, 1 - len(failed) / len(active))
     branches.sort(key=lambda branch: -(branch.score(objective) or 0.0))
     return [branch.best for branch in branches]
 

@@ -47,7 +47,10 @@ class RoboMoRe:
             parts.append("the reference morphology, as thin as its search rules allow")
         if settings.reference_reward == "in":
             parts.append("the reference reward")
-        return f"The grid also has {', and '.join(parts)}." if parts else ""
+        said = [f"The grid also has {', and '.join(parts)}."] if parts else []
+        if settings.drawn_morphologies:
+            said.append("Its other morphologies were drawn around the reference.")
+        return " ".join(said)
 
     def plan(self, context: SearchContext) -> Plan:
         """Return the coarse and the fine stage, each at its largest."""

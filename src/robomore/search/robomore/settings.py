@@ -1,4 +1,4 @@
-"""Sizes of the paper's search (paper, Table 4), and how its grid is screened."""
+"""Sizes of the paper's search (paper, Table 6), and how its grid is screened."""
 
 from __future__ import annotations
 
@@ -38,6 +38,9 @@ class RoboMoReSettings:
     reference_reward: Literal["in", "out"] = "in"
     """Whether the reference reward is one column of the grid and may win; the paper leaves it
     out."""
+    first_morphologies: Literal["designer", "gaussian"] = "designer"
+    """Where the rows of the grid come from: `gaussian` draws them around the reference morphology,
+    as the paper's Random Sample does; the rewards stay the designer's."""
     slim_reference: Literal["in", "out"] = "out"
     """Whether the reference morphology, as thin as its search rules allow, is one row of the grid;
     the paper leaves it out. It is what a search for efficiency has to beat."""
@@ -46,8 +49,9 @@ class RoboMoReSettings:
     max_cycles: Annotated[int, msgspec.Meta(ge=0)] = 10
     """Most cycles of the fine stage. The paper stops only when a cycle improved nothing."""
     patience: Count = 1
-    """Cycles in a row without improvement after which a branch ends; 1 in the paper. With more, a
-    branch that had bad luck once goes on, with smaller steps, while the budget lasts."""
+    """Cycles in a row without improvement after which a branch ends, if both a morphology and a
+    reward were tried on its best; 1 in the paper. With more, a branch that had bad luck once goes
+    on, with smaller steps, while the budget lasts."""
     order: Literal["alternate", "adaptive"] = "alternate"
     """Whose turn it is in the fine stage: `alternate` improves the morphology, then the reward, as
     the paper does; `adaptive` improves what improved more lately. A cycle has two turns."""
@@ -91,6 +95,15 @@ class RoboMoReSettings:
     @property
     def proposed_morphologies(self) -> int:
         """Rows of the grid that the designer fills."""
+        return self._first_morphologies if self.first_morphologies == "designer" else 0
+
+    @property
+    def drawn_morphologies(self) -> int:
+        """Rows of the grid that are drawn."""
+        return self._first_morphologies if self.first_morphologies == "gaussian" else 0
+
+    @property
+    def _first_morphologies(self) -> int:
         return self.morphologies - (self.slim_reference == "in")
 
     @property
@@ -108,6 +121,11 @@ class RoboMoReSettings:
             raise InputError(
                 f"without = {list(self.without)} leaves nothing to search; keep the morphology or "
                 "the reward, or choose --method reference"
+            )
+        if self.first_morphologies == "gaussian" and "morphology" in self.without:
+            raise InputError(
+                "without = ['morphology'] keeps the reference morphology, and first_morphologies = "
+                "'gaussian' draws others; leave one of them out"
             )
         for first, second in pairwise(self.rungs):
             if not (
