@@ -12,9 +12,10 @@ from robomore.studies.crossed import group_score, reward_table
 from robomore.studies.study import Results
 
 
-def trained(score: float | None, reward: str) -> Any:
+def trained(score: float | None, reward: str, key: str = "") -> Any:
     measured = None if score is None else SimpleNamespace(mean=score)
     return SimpleNamespace(
+        evaluations=(SimpleNamespace(key=key),),
         score=lambda objective: measured,
         design=SimpleNamespace(reward=SimpleNamespace(source=reward)),
     )
@@ -22,7 +23,7 @@ def trained(score: float | None, reward: str) -> Any:
 
 def final(found: float | None, plain: float | None, reward: str = "found") -> Run:
     run = SimpleNamespace(
-        found=trained(found, reward),
+        found=trained(found, reward, f"{found}/{plain}"),
         morphology_only=trained(plain, "reference"),
         reference=trained(1.0, "reference"),
         objective="efficiency",
@@ -47,6 +48,12 @@ def test_the_mean_is_geometric_so_that_halves_and_doubles_cancel_out() -> None:
 def test_five_pairs_give_an_interval_around_the_mean() -> None:
     found = row(*(final(value, 10.0) for value in (5.0, 8.0, 10.0, 12.0, 9.0)))
     assert 0.5 < found["95 % from"] < found["geometric mean"] < found["95 % to"] < 1.3
+
+
+def test_two_arms_with_one_answer_are_one_pair() -> None:
+    found = row(final(4.0, 1.0), final(4.0, 1.0), final(1.0, 1.0))
+    assert found["geometric mean"] == pytest.approx(2.0)
+    assert found["found is better"] == "1 of 2"
 
 
 def test_runs_that_kept_the_reference_reward_are_counted_and_others_left_out() -> None:

@@ -26,12 +26,12 @@ def reward_table(results: Results) -> Table:
     """Return the found reward over the reference reward on the same found morphology, by task."""
     rows: list[tuple[Entry, ...]] = []
     for task in results.tasks:
-        ratios, same = [], 0
-        for run in results.runs(task):
-            if (ratio := _ratio(run, results.objective)) is None:
-                same += bool(run.found) and not _other_reward(run)
-            else:
-                ratios.append(ratio)
+        runs = results.runs(task)
+        same = sum(bool(run.found) and not _other_reward(run) for run in runs)
+        # Arms that answer alike with the same seed have one pair, not two.
+        ratios = list(
+            dict(pair for run in runs if (pair := _pair(run, results.objective))).values()
+        )
         logs = [math.log(one) for one in ratios]
         interval: tuple[float | None, float | None] = (None, None)
         if len(logs) >= FEWEST:
@@ -58,9 +58,12 @@ def _other_reward(run: Run) -> bool:
     )
 
 
-def _ratio(run: Run, objective: str) -> float | None:
-    if not _other_reward(run):
+def _pair(run: Run, objective: str) -> tuple[str, float] | None:
+    """Return the key of what was found, and its score over that under the reference reward."""
+    if not run.found or not _other_reward(run):
         return None
     found = group_score(run, "found", objective)
     plain = group_score(run, "morphology_only", objective)
-    return found / plain if found and plain and min(found, plain) > 0 else None
+    if not found or not plain or min(found, plain) <= 0:
+        return None
+    return run.found.evaluations[0].key, found / plain
