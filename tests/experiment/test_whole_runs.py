@@ -146,6 +146,16 @@ def test_a_checkpoint_continues_as_if_it_had_never_stopped(tmp_path: Path) -> No
     assert _timeless(continued) == _timeless(whole)
 
 
+def test_a_checkpoint_is_never_continued_by_another_design(tmp_path: Path) -> None:
+    evaluate("swimmer", reward=_effort(0.9), settings=TINY, steps=512, checkpoint=tmp_path)
+    thin = [1, 1, 1, 0.05, 0.05, 0.05]
+    for other in ({"reward": _effort(0.0)}, {"reward": _effort(0.9), "parameters": thin}):
+        alone = evaluate("swimmer", settings=TINY, steps=512, **other)
+        beside = evaluate("swimmer", settings=TINY, steps=512, checkpoint=tmp_path, **other)
+        assert _timeless(beside) == _timeless(alone)
+    assert len(list(tmp_path.iterdir())) == 3
+
+
 @pytest.mark.parametrize(
     ("reward", "status", "said"),
     [
