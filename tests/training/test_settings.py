@@ -16,6 +16,7 @@ from robomore.training.settings import (
     SACSettings,
     SB3Settings,
     ensure_trainer,
+    least_steps,
     settings_from,
 )
 from robomore.types import TrainerSettings
@@ -57,12 +58,43 @@ def test_an_unknown_trainer_is_refused_with_the_known_ones() -> None:
         settings_from(TrainerSettings("sarsa"))
 
 
-@pytest.mark.parametrize("steps", [1, 10_000])
-def test_a_training_that_would_learn_nothing_is_refused(steps: int) -> None:
-    with pytest.raises(InputError, match="first 10000 are random"):
-        ensure_trainer(TrainerSettings("sac"), steps)
-    ensure_trainer(TrainerSettings("sac"), 10_128)
-    ensure_trainer(TrainerSettings("sac"))
+@pytest.mark.parametrize(
+    ("name", "options", "least"),
+    [
+        ("crossq", {}, 5_120),
+        ("sac", {}, 10_112),
+        ("sac", {"learning_starts": 10_112}, 10_112),
+        ("sb3", {"learning_starts": 10_112}, 10_240),  # it learns beyond that number only
+        ("crossq", {"train_freq": 1_000}, 16_000),
+        ("crossq", {"learning_starts": 1, "train_freq": 1, "num_envs": 3}, 3),
+    ],
+)
+def test_a_training_that_would_learn_nothing_is_refused(
+    name: str, options: dict[str, Any], least: int
+) -> None:
+    trainer = TrainerSettings(name, options)
+    for steps in (1, least - 1):
+        with pytest.raises(InputError, match=rf"learns nothing in {steps} .* at least {least} "):
+            ensure_trainer(trainer, steps)
+    assert least_steps(trainer) == least
+
+
+def test_the_steps_of_a_trainer_of_one_s_own_are_those_it_names(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    @dataclass(frozen=True)
+    class Own:
+        num_envs: int = 4
+        episode_seconds: float | None = None
+        replace_rk4: bool = False
+        learning_starts: int = 10
+
+    own = settings.Algorithm(Own, "robomore.training.crossq:CrossQ")
+    monkeypatch.setitem(settings.TRAINERS._items, "own", own)
+    with pytest.raises(InputError, match="first 10 are random actions; give it at least 11 "):
+        ensure_trainer(TrainerSettings("own"), 10)
+    ensure_trainer(TrainerSettings("own"), 11)
+    ensure_trainer(TrainerSettings("own"))
 
 
 @pytest.mark.parametrize(

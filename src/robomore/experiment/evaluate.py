@@ -17,7 +17,8 @@ from robomore.settings import Budget, RunSettings, preset
 from robomore.tasks import Task, get_task
 from robomore.tasks.portable import task_content
 from robomore.training.policy import POLICY
-from robomore.training.settings import ensure_trainer, versions_for
+from robomore.training.settings import versions_for
+from robomore.training.tuned import ensure_tuned
 from robomore.types import Design, Evaluation, Morphology, Reward
 
 
@@ -60,7 +61,7 @@ def evaluate(
     if steps is not None:
         ensure_whole("the number of steps", steps, 1)
     budget = Budget(steps or settings.candidate.steps, settings.candidate.episodes)
-    ensure_trainer(settings.trainer, budget.steps)
+    ensure_tuned(settings.trainer, task, budget.steps)
     mode, _ = choose_containment(containment, ours=reward is None)
     if artifact is not None and artifact.exists() and any(artifact.iterdir()):
         raise InputError(f"{artifact} is not empty; name a new folder for the policy")

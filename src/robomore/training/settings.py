@@ -66,6 +66,11 @@ class OffPolicySettings:
     """Where the task integrates by RK4, train with implicitfast at half the timestep, for half the
     work of simulating. Policies are measured with the task's own integrator all the same."""
 
+    @property
+    def round_steps(self) -> int:
+        """Control steps of one round, over all environments."""
+        return self.train_freq * self.num_envs
+
 
 @dataclass(frozen=True, slots=True)
 class LoopSettings(OffPolicySettings):
@@ -245,12 +250,12 @@ def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
         InputError: see `settings_from`; a package that the algorithm needs is not installed; or
             nothing would be learnt in `steps`.
     """
-    learning_starts = getattr(settings_from(trainer), "learning_starts", 0)
-    if steps is not None and steps <= learning_starts:
+    least = least_steps(trainer)
+    if steps is not None and steps < least:
         raise InputError(
-            f"trainer {trainer.name} learns nothing in {steps} steps: the first {learning_starts} "
-            "are random actions; give it more --steps, or fewer random actions with "
-            "--trainer-option learning_starts=NUMBER"
+            f"trainer {trainer.name} learns nothing in {steps} steps: {_before_learning(trainer)}; "
+            f"give it at least {least} (--steps, and --final-steps of a run), or let it learn "
+            "sooner with --trainer-option learning_starts=NUMBER"
         )
     algorithm = TRAINERS.get(trainer.name)
     missing = [name for name in algorithm.needs if importlib.util.find_spec(name) is None]
@@ -259,6 +264,33 @@ def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
             f"trainer {trainer.name} needs {' and '.join(missing)}, which is not installed here: "
             f"{algorithm.remedy}"
         )
+
+
+def least_steps(trainer: TrainerSettings) -> int:
+    """Return the control steps of the shortest training in which something is learnt.
+
+    Raises:
+        InputError: see `settings_from`.
+    """
+    settings = settings_from(trainer)
+    random: int = getattr(settings, "learning_starts", 0)
+    if not isinstance(settings, OffPolicySettings):
+        return random + 1
+    # It trains in whole rounds. Stable-Baselines3 learns only once these are exceeded.
+    begins = random + 1 if isinstance(settings, SB3Settings) else random
+    return max(1, -(-begins // settings.round_steps)) * settings.round_steps
+
+
+def _before_learning(trainer: TrainerSettings) -> str:
+    """Return what comes before learning, in words."""
+    settings = settings_from(trainer)
+    said = f"the first {getattr(settings, 'learning_starts', 0)} are random actions"
+    if not isinstance(settings, OffPolicySettings):
+        return said
+    return (
+        f"{said}, and it trains in whole rounds of {settings.round_steps} (train_freq = "
+        f"{settings.train_freq} times num_envs = {settings.num_envs})"
+    )
 
 
 def versions_for(trainer: TrainerSettings) -> dict[str, str]:
