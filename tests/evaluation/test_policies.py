@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from robomore.tasks import get_task
 from robomore.tasks.fingerprint import task_key
 from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from robomore.training.policy import MLPPolicy
+from robomore.training.settings import TRAINERS, Algorithm
 from robomore.types import (
     Curve,
     Design,
@@ -36,6 +38,7 @@ from robomore.types import (
 
 TASK = get_task("swimmer")
 OBSERVATIONS, ACTIONS, HIDDEN = 8, 2, (16, 16)
+CROSSQ = TrainerSettings("crossq", {"net_arch": list(HIDDEN)})
 TRAINED = Training(
     100,
     {"speed": TermStatistics(0.5, -1.0, 2.0)},
@@ -75,7 +78,10 @@ def evaluated(
     monkeypatch.setattr("robomore.evaluation.measure._CHOICE_EPISODES", 1)
 
     def evaluate(
-        *left: bytes, status: Status = Status.OK, checkpoint: str = ""
+        *left: bytes,
+        status: Status = Status.OK,
+        checkpoint: str = "",
+        trainer: TrainerSettings = CROSSQ,
     ) -> tuple[Evaluation, bytes]:
         def leaves(function: str, payload: bytes, scratch: Path, *_: object, **__: object) -> Any:
             for index, content in enumerate(left):
@@ -87,7 +93,7 @@ def evaluated(
         job = Job(
             TASK.id,
             Design(Morphology(TASK.reference), Reward(TASK.reward)),
-            TrainerSettings("crossq", {"net_arch": list(HIDDEN)}),
+            trainer,
             steps=100,
             episodes=1,
             seed=1,
@@ -142,6 +148,23 @@ def test_any_other_form_is_a_status_of_the_candidate(
 ) -> None:
     found, kept = evaluated(*left)
     assert found.status is Status.CRASHED and said in found.diagnosis and not kept
+
+
+@pytest.mark.parametrize("own", [{"pi": [8], "qf": [16]}, 8])
+def test_what_a_trainer_of_one_s_own_calls_net_arch_is_its_own_affair(
+    evaluated: Callable[..., tuple[Evaluation, bytes]], monkeypatch: pytest.MonkeyPatch, own: Any
+) -> None:
+    @dataclass(frozen=True)
+    class Own:
+        num_envs: int = 4
+        episode_seconds: float | None = None
+        replace_rk4: bool = False
+        net_arch: Any = None
+
+    monkeypatch.setitem(TRAINERS._items, "own", Algorithm(Own, "own:Own"))
+    left = policy((OBSERVATIONS, 8, ACTIONS))
+    found, kept = evaluated(left, trainer=TrainerSettings("own", {"net_arch": own}))
+    assert found.ok and kept == left
 
 
 def unmeasurable() -> bytes:

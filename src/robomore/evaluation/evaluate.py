@@ -37,7 +37,7 @@ from robomore.text import one_line, to_json
 from robomore.training.checkpoint import drop_older
 from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.policy import MLPPolicy
-from robomore.training.settings import MOST_EVAL_CHECKPOINTS, settings_from
+from robomore.training.settings import MOST_EVAL_CHECKPOINTS, hidden_layers
 from robomore.training.warm import Shape
 from robomore.types import Evaluation, Job, Status
 
@@ -145,7 +145,7 @@ def _evaluate(
         known = replace(
             known,
             terms=training.terms,
-            steps=job.steps,
+            steps=max(0, min(training.steps, job.steps)),
             notes=training.notes,
             curve=training.curve,
         )
@@ -184,11 +184,11 @@ def _policies(job: Job, robot: VectorEnv, scratch: Path) -> Iterator[MLPPolicy]:
     Raises:
         ValueError: one of them is no policy such as this trainer leaves.
     """
-    hidden = getattr(settings_from(job.trainer), "net_arch", None)
+    hidden = hidden_layers(job.trainer)
     for path in sorted(scratch.glob(POLICIES))[-MOST_EVAL_CHECKPOINTS:]:
         policy = MLPPolicy.load(path)
         if misfit := policy.misfit(robot.observation_size, robot.action_size):
             raise ValueError(f"{path.name} {misfit}")
-        if hidden is not None and policy.sizes[1:-1] != tuple(hidden):
+        if hidden is not None and policy.sizes[1:-1] != hidden:
             raise ValueError(f"{path.name} has other layers than this trainer's")
         yield policy
