@@ -83,6 +83,15 @@ def test_a_training_that_would_learn_nothing_is_refused(
     assert least_steps(trainer) == least
 
 
+@pytest.mark.parametrize(
+    ("steps", "remedy"),
+    [(127, "a smaller --trainer-option train_freq="), (128, "learning_starts=")],
+)
+def test_the_remedy_is_that_of_what_is_in_the_way(steps: int, remedy: str) -> None:
+    with pytest.raises(InputError, match=remedy):
+        ensure_trainer(TrainerSettings("crossq"), steps)
+
+
 def test_the_steps_of_a_trainer_of_one_s_own_are_those_it_names(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -265,10 +265,12 @@ def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
     """
     least = least_steps(trainer)
     if steps is not None and steps < least:
+        one_round = getattr(settings_from(trainer), "round_steps", 0)
+        smaller = "train_freq" if steps < one_round else "learning_starts"
         raise InputError(
             f"trainer {trainer.name} learns nothing in {steps} steps: {_before_learning(trainer)}; "
             f"give it at least {least} (--steps, and --final-steps of a run), or let it learn "
-            "sooner with --trainer-option learning_starts=NUMBER"
+            f"sooner with a smaller --trainer-option {smaller}=NUMBER"
         )
     algorithm = TRAINERS.get(trainer.name)
     missing = [name for name in algorithm.needs if importlib.util.find_spec(name) is None]
