@@ -4,7 +4,10 @@ Each step is done three times from the same states with the same actions, one ri
 bare `mj_step` of all simulations, `VectorEnv` without a reward, and `VectorEnv` with the
 reference reward. Medians over steps of the thread's own processor time.
 
-    python benchmarks/simulation.py [--num-envs 16] [--steps 300]
+    python benchmarks/simulation.py [--num-envs 16] [--steps 300] [--replace-rk4]
+
+With `--replace-rk4` the robots that integrate by RK4 have implicitfast at half the timestep, as
+`crossq` trains them.
 """
 
 from __future__ import annotations
@@ -31,11 +34,12 @@ WARM_UP = 40
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
-def measure(robot: str, num_envs: int, steps: int) -> list[float]:
+def measure(robot: str, num_envs: int, steps: int, replace_rk4: bool) -> list[float]:
     """Return microseconds per simulation and control step: bare, without and with reward."""
     task = get_task(robot)
-    rewarded = VectorEnv(task, task.reference, num_envs, reward_function(task.reward))
-    unrewarded = VectorEnv(task, task.reference, num_envs)
+    reward = reward_function(task.reward)
+    rewarded = VectorEnv(task, task.reference, num_envs, reward, replace_rk4=replace_rk4)
+    unrewarded = VectorEnv(task, task.reference, num_envs, replace_rk4=replace_rk4)
     bare = [mujoco.MjData(rewarded.model) for _ in range(num_envs)]
     model, frame_skip = rewarded.model, rewarded.environment.frame_skip
     row = np.empty(mujoco.mj_stateSize(model, STATE))
@@ -74,12 +78,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--num-envs", type=int, default=16)
     parser.add_argument("--steps", type=int, default=300)
+    parser.add_argument("--replace-rk4", action="store_true")
     options = parser.parse_args()
     print(f"{options.num_envs} simulations, microseconds per simulation and control step,")
     print("and ratios to the bare physics")
     print(f"{'robot':<14}{'mj_step':>10}{'no reward':>18}{'reward':>18}")
     for robot in ROBOTS:
-        bare, *sides = measure(robot, options.num_envs, options.steps)
+        bare, *sides = measure(robot, options.num_envs, options.steps, options.replace_rk4)
         columns = "".join(f"{side:>11.1f}{side / bare:>7.2f}" for side in sides)
         print(f"{robot:<14}{bare:>10.1f}{columns}")
 

@@ -2,7 +2,8 @@
 
     python benchmarks/update.py [--net-arch 256 256] [--batch-size 256] [--seconds 10]
 
-All of them in this one process, on one core, in turns, so that a busy machine hurts all alike.
+All of them in this one process, on one core, in turns, so that a busy machine hurts all alike. Ours
+has SBX's settings (`against_sbx.SAME`), two critics among them, and the bare products count two.
 For SBX (optional): pip install sbx-rl
 """
 
@@ -19,11 +20,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from against_sbx import SAME
 from robomore.training.crossq import CrossQ
 from robomore.training.loop import TrainingRun
-from robomore.training.settings import CrossQSettings
+from robomore.training.settings import CrossQSettings, settings_from
 from robomore.training.threads import use_one_thread
 from robomore.training.trainer import Transition
+from robomore.types import TrainerSettings
 
 OBSERVATIONS, ACTIONS = 17, 6
 UPDATES = 16
@@ -72,9 +75,7 @@ def in_turns(contenders: dict[str, Callable[[], object]], seconds: float) -> dic
 
 def ours(net_arch: tuple[int, ...], batch: int) -> Callable[[], object]:
     """One round of learning as in training: sampling and noise included."""
-    settings = CrossQSettings(
-        net_arch=net_arch, batch_size=batch, gradient_steps=UPDATES, buffer_size=50_000
-    )
+    settings = settings_like_sbx(net_arch, batch)
 
     class Sizes:
         num_envs, observation_size, action_size = 16, OBSERVATIONS, ACTIONS
@@ -88,6 +89,14 @@ def ours(net_arch: tuple[int, ...], batch: int) -> Callable[[], object]:
             observation, action, Transition(following, reward, done, done & False, following)
         )
     return run._learn
+
+
+def settings_like_sbx(net_arch: tuple[int, ...], batch: int) -> CrossQSettings:
+    """Return settings of ours that are those of SBX."""
+    sizes = {"net_arch": list(net_arch), "batch_size": batch, "gradient_steps": UPDATES}
+    options = {**SAME, **sizes, "buffer_size": 50_000}
+    found: CrossQSettings = settings_from(TrainerSettings("crossq", options))
+    return found
 
 
 def sbx_crossq(net_arch: tuple[int, ...], batch: int) -> Callable[[], object] | None:
@@ -110,6 +119,7 @@ def sbx_crossq(net_arch: tuple[int, ...], batch: int) -> Callable[[], object] | 
         batch_size=batch,
         buffer_size=50_000,
         gradient_steps=UPDATES,
+        policy_delay=SAME["policy_delay"],
         policy_kwargs={"net_arch": list(net_arch)},
         seed=0,
     )
@@ -132,16 +142,18 @@ def bare_products(net_arch: tuple[int, ...], batch: int) -> Callable[[], object]
     """
     policy = (OBSERVATIONS, *net_arch, 2 * ACTIONS)
     critic = (OBSERVATIONS + ACTIONS, *net_arch, 1)
+    settings = settings_like_sbx(net_arch, batch)
+    n = settings.n_critics
     # (critics, rows, inner, columns) of every product, and of how many gradient steps in a round.
     products: list[tuple[tuple[int, int, int, int], float]] = []
-    every, delayed = UPDATES, UPDATES / CrossQSettings().policy_delay
+    every, delayed = UPDATES, UPDATES / settings.policy_delay
     for i, (inputs, outputs) in enumerate(pairwise(critic)):
-        products.append(((2, 2 * batch, inputs, outputs), every))
-        products.append(((2, inputs, 2 * batch, outputs), every))
-        products.append(((2, batch, inputs, outputs), delayed))
+        products.append(((n, 2 * batch, inputs, outputs), every))
+        products.append(((n, inputs, 2 * batch, outputs), every))
+        products.append(((n, batch, inputs, outputs), delayed))
         if i:
-            products.append(((2, 2 * batch, outputs, inputs), every))
-        products.append(((2, batch, outputs, inputs if i else ACTIONS), delayed))
+            products.append(((n, 2 * batch, outputs, inputs), every))
+        products.append(((n, batch, outputs, inputs if i else ACTIONS), delayed))
     for i, (inputs, outputs) in enumerate(pairwise(policy)):
         products.append(((1, batch, inputs, outputs), every + delayed))
         products.append(((1, inputs, batch, outputs), delayed))

@@ -35,6 +35,8 @@ class Stage:
         batches: batches of evaluations that have to come one after the other, at most.
         typical: share of `steps` that is usually needed, where a stage may end early.
         role: what its evaluations are for.
+        shortest: control steps after which designs are compared for the first time, where that is
+            before the end of their training; else 0.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Stage:
     batches: int = 1
     typical: float = 1.0
     role: Role = "search"
+    shortest: int = 0
 
     @property
     def is_grid(self) -> bool:

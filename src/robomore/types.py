@@ -224,7 +224,7 @@ class Evaluation:
         body: plain facts of the robot: `mass` kg, `density` kg/m³, `rest_height` m.
         behaviour: how the policy moved, name -> value, units in the names.
         terms: statistics of each reward term over training.
-        steps: control steps of training done.
+        steps: control steps of training done; budgets count those asked for (`job.steps`).
         seconds: core-seconds spent (training and measurement).
         artifact: folder of the trained policy, relative to the run folder; empty if none.
         notes: facts worth keeping that are no failure ("the physics diverged in 1 episode").

@@ -422,6 +422,7 @@ def test_a_model_is_told_whose_training_was_cut_short(robomore_: Command, tmp_pa
         robomore_(
             *(*TINY, "--designer", "llm", "--base-url", url, "--model", "toy"),
             *("--method-option", "screening=halving", "--quiet", "--out", out),
+            *("--trainer-option", "learning_starts=256"),
         )
     sent = script.seen[-1]["messages"]
     assert "| 20 % |" in sent[1]["content"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from robomore.errors import FitnessFailed
 from robomore.evaluation import evaluate as module
 from robomore.evaluation.measure import measure
 from robomore.evaluation.request import Request, Training
@@ -19,11 +21,30 @@ from robomore.identity import derive_seed
 from robomore.sandbox.call import SandboxResult
 from robomore.tasks import get_task
 from robomore.tasks.fingerprint import task_key
+from robomore.training.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from robomore.training.policy import MLPPolicy
-from robomore.types import Design, Evaluation, Job, Morphology, Reward, Status, TrainerSettings
+from robomore.training.settings import TRAINERS, Algorithm
+from robomore.types import (
+    Curve,
+    Design,
+    Evaluation,
+    Job,
+    Morphology,
+    Reward,
+    Status,
+    TermStatistics,
+    TrainerSettings,
+)
 
 TASK = get_task("swimmer")
 OBSERVATIONS, ACTIONS, HIDDEN = 8, 2, (16, 16)
+CROSSQ = TrainerSettings("crossq", {"net_arch": list(HIDDEN)})
+TRAINED = Training(
+    100,
+    {"speed": TermStatistics(0.5, -1.0, 2.0)},
+    ("the physics diverged in 1 episode",),
+    Curve((100,), {"episode_return": (1.5,)}),
+)
 
 
 def filled(
@@ -56,24 +77,30 @@ def evaluated(
 
     monkeypatch.setattr("robomore.evaluation.measure._CHOICE_EPISODES", 1)
 
-    def evaluate(*left: bytes) -> tuple[Evaluation, bytes]:
+    def evaluate(
+        *left: bytes,
+        status: Status = Status.OK,
+        checkpoint: str = "",
+        trainer: TrainerSettings = CROSSQ,
+    ) -> tuple[Evaluation, bytes]:
         def leaves(function: str, payload: bytes, scratch: Path, *_: object, **__: object) -> Any:
             for index, content in enumerate(left):
                 (scratch / f"policy-{index:02}.npz").write_bytes(content)
-            return SandboxResult(Status.OK, msgspec.json.encode(Training(100)))
+            return SandboxResult(status, msgspec.json.encode(TRAINED), seconds=70.0)
 
         monkeypatch.setattr(module, "run_sandboxed", leaves)
         monkeypatch.setattr(module, "compiled_trainer", lambda shape, containment: None)
         job = Job(
             TASK.id,
             Design(Morphology(TASK.reference), Reward(TASK.reward)),
-            TrainerSettings("crossq", {"net_arch": list(HIDDEN)}),
+            trainer,
             steps=100,
             episodes=1,
             seed=1,
             task_key=task_key(TASK),
         )
-        answer = module.evaluate(Request(job, "key", str(tmp_path / "scratch")), lambda steps: None)
+        request = Request(job, "key", str(tmp_path / "scratch"), checkpoint)
+        answer = module.evaluate(request, lambda steps: None)
         assert not (tmp_path / "scratch").exists()
         return answer.evaluation, answer.policy
 
@@ -123,17 +150,103 @@ def test_any_other_form_is_a_status_of_the_candidate(
     assert found.status is Status.CRASHED and said in found.diagnosis and not kept
 
 
-def test_finite_weights_whose_actions_are_not_numbers_are_a_status_too(
-    evaluated: Callable[..., tuple[Evaluation, bytes]],
+@pytest.mark.parametrize("own", [{"pi": [8], "qf": [16]}, 8])
+def test_what_a_trainer_of_one_s_own_calls_net_arch_is_its_own_affair(
+    evaluated: Callable[..., tuple[Evaluation, bytes]], monkeypatch: pytest.MonkeyPatch, own: Any
 ) -> None:
+    @dataclass(frozen=True)
+    class Own:
+        num_envs: int = 4
+        episode_seconds: float | None = None
+        replace_rk4: bool = False
+        net_arch: Any = None
+
+    monkeypatch.setitem(TRAINERS._items, "own", Algorithm(Own, "own:Own"))
+    left = policy((OBSERVATIONS, 8, ACTIONS))
+    found, kept = evaluated(left, trainer=TrainerSettings("own", {"net_arch": own}))
+    assert found.ok and kept == left
+
+
+def unmeasurable() -> bytes:
+    """Return a policy with finite weights whose actions are no numbers."""
     opposed = np.ones((16, ACTIONS), np.float32)
     opposed[::2] = -1
-    found, kept = evaluated(
-        arrays(
-            bias0=np.full(16, 3e38, np.float32),
-            weight1=np.full((16, 16), 3e38, np.float32),
-            weight2=opposed,
-        )
+    return arrays(
+        bias0=np.full(16, 3e38, np.float32),
+        weight1=np.full((16, 16), 3e38, np.float32),
+        weight2=opposed,
     )
+
+
+@pytest.mark.parametrize("left", [(unmeasurable(),), (unmeasurable(), unmeasurable())])
+def test_finite_weights_whose_actions_are_not_numbers_are_a_status_too(
+    evaluated: Callable[..., tuple[Evaluation, bytes]], left: tuple[bytes, ...]
+) -> None:
+    found, kept = evaluated(*left)
     assert found.status is Status.TRAINING_DIVERGED and not kept
     assert "not finite numbers" in found.diagnosis
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_a_late_policy_that_cannot_be_measured_is_left_out(
+    evaluated: Callable[..., tuple[Evaluation, bytes]], place: int
+) -> None:
+    left = [policy(fill=0.3), policy(fill=0.0)]
+    _, best = evaluated(*left)
+    left.insert(place, unmeasurable())
+    found, kept = evaluated(*left)
+    assert found.ok and kept == best
+
+
+def fails(*_: object) -> None:
+    raise FitnessFailed("no number")
+
+
+def breaks(*_: object) -> None:
+    raise RuntimeError("a fault of ours")
+
+
+@pytest.mark.parametrize(
+    ("where", "what", "status", "said"),
+    [
+        ("measure", fails, Status.FAILED, "no number"),
+        ("choose", fails, Status.FAILED, "no number"),
+        ("measure", breaks, Status.FAILED, "Traceback"),
+        ("choose", breaks, Status.FAILED, "Traceback"),
+    ],
+)
+def test_what_fails_after_training_keeps_what_training_cost_and_how_it_went(
+    evaluated: Callable[..., tuple[Evaluation, bytes]],
+    monkeypatch: pytest.MonkeyPatch,
+    where: str,
+    what: Callable[..., Any],
+    status: Status,
+    said: str,
+) -> None:
+    monkeypatch.setattr(module, where, what)
+    found, _ = evaluated(policy())
+    assert found.status is status and said in found.diagnosis
+    assert 70.0 < found.seconds < 90.0 and found.steps == 100 and found.body
+    assert (found.terms, found.notes, found.curve) == (TRAINED.terms, TRAINED.notes, TRAINED.curve)
+
+
+def test_a_policy_that_cannot_be_used_keeps_them_too(
+    evaluated: Callable[..., tuple[Evaluation, bytes]],
+) -> None:
+    found, _ = evaluated(b"no archive")
+    assert (found.status, found.curve, found.steps) == (Status.CRASHED, TRAINED.curve, 100)
+
+
+def test_an_older_checkpoint_stays_where_the_writer_of_the_latest_died(
+    evaluated: Callable[..., tuple[Evaluation, bytes]], tmp_path: Path
+) -> None:
+    folder = tmp_path / "checkpoint"
+    save_checkpoint(folder, Checkpoint({"a": 1}, {"b": np.ones(2)}, {}))
+    (folder / "checkpoint-1.json").write_text('{"version": 4, "num')
+    evaluated(status=Status.CRASHED, checkpoint=str(folder))
+    found = load_checkpoint(folder)
+    assert found is not None and found.facts == {"a": 1}
+    save_checkpoint(folder, Checkpoint({"a": 2}, {"b": np.ones(2)}, {}))
+    (folder / "left-there").touch()
+    evaluated(policy(), checkpoint=str(folder))
+    assert len(list(folder.iterdir())) == 3

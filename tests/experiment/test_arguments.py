@@ -12,7 +12,12 @@ import pytest
 from robomore.errors import InputError
 from robomore.experiment import evaluate, run
 from robomore.experiment.arguments import ensure_usable
+from robomore.experiment.first_look import refuse_untrained
+from robomore.options import with_options
+from robomore.search import SearchContext, make_method
 from robomore.settings import preset
+from robomore.tasks import get_task
+from robomore.types import Design, Morphology, Reward
 
 SMOKE = preset("smoke")
 
@@ -56,6 +61,58 @@ def test_settings_of_one_s_own_are_checked_before_the_search(
         run("swimmer", replace(SMOKE, **changed), out=tmp_path / "run")
     assert said in str(raised.value)
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("options", [{"n_critics": 1}, {"normalize_rewards": False}])
+def test_options_that_clash_with_tuned_ones_are_refused_before_anything_starts(
+    options: dict[str, Any], tmp_path: Path
+) -> None:
+    settings = with_options(SMOKE, method="random", trainer_options=options)
+    with pytest.raises(InputError, match="is tuned for ant, not given"):
+        run("ant", settings, out=tmp_path / "run")
+    with pytest.raises(InputError, match="is tuned for ant, not given"):
+        evaluate("ant", settings=settings)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_first_look_at_what_has_learnt_nothing_is_refused(tmp_path: Path) -> None:
+    screened = with_options(SMOKE, method_options={"screening": "halving"})
+    with pytest.raises(InputError) as raised:
+        run("swimmer", screened, executor="inline", out=tmp_path / "run")
+    assert str(raised.value) == (
+        "the stage coarse cuts designs after 410 of 2048 steps, and trainer crossq has learnt "
+        "nothing before 512; give at least --steps 2561, let it learn sooner with "
+        "--trainer-option learning_starts=NUMBER, or train all designs to the end "
+        "(--method-option screening=none)"
+    )
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "refused"),
+    [
+        ({"screening": "halving"}, True),
+        ({"screening": "none"}, False),
+        ({"screening": "halving", "rungs": []}, False),
+        ({"screening": "halving", "without": ["coarse"]}, False),
+        ({"screening": "halving", "rungs": [{"budget_fraction": 0.25, "keep_fraction": 1}]}, False),
+    ],
+)
+def test_the_first_look_is_that_of_the_plan(options: dict[str, Any], refused: bool) -> None:
+    settings = with_options(SMOKE, method_options=options)
+    task = get_task("swimmer")
+    context = SearchContext(
+        task=task,
+        reference=Design(Morphology(task.reference), Reward(task.reward)),
+        candidate=settings.candidate,
+        evaluations=4,
+    )
+    plan = make_method(settings.method).plan(context)
+    if not refused:
+        refuse_untrained(task, settings, plan)
+        return
+    with pytest.raises(InputError, match="cuts designs after 410"):
+        refuse_untrained(task, settings, plan)
 
 
 def test_no_steps_are_not_the_preset_s() -> None:

@@ -22,7 +22,7 @@ from robomore.studies.presets import Scale
 from tiny import numbers
 from untrained import Untrained
 
-SMALL = with_options(preset("smoke"), evaluations=8)
+SMALL = with_options(preset("smoke"), evaluations=8, trainer_options={"learning_starts": 256})
 SCREENED = {"morphologies": 6, "rewards": 3, "screening": "halving", "max_cycles": 3}
 
 

@@ -135,8 +135,9 @@ def test_two_rewards_lead_to_two_policies() -> None:
 
 
 def test_the_same_evaluation_twice_is_the_same_to_the_last_digit() -> None:
-    first, second = (evaluate("hopper", settings=TINY, steps=512, seed=5) for _ in range(2))
+    first, second = (evaluate("hopper", settings=TINY, steps=600, seed=5) for _ in range(2))
     assert _timeless(first) == _timeless(second)
+    assert (first.job.steps, first.steps) == (600, 512), "whole rounds were done"
 
 
 def test_a_checkpoint_continues_as_if_it_had_never_stopped(tmp_path: Path) -> None:
@@ -144,6 +145,16 @@ def test_a_checkpoint_continues_as_if_it_had_never_stopped(tmp_path: Path) -> No
     evaluate("swimmer", settings=TINY, steps=512, seed=0, checkpoint=tmp_path)
     continued = evaluate("swimmer", settings=TINY, steps=768, seed=0, checkpoint=tmp_path)
     assert _timeless(continued) == _timeless(whole)
+
+
+def test_a_checkpoint_is_never_continued_by_another_design(tmp_path: Path) -> None:
+    evaluate("swimmer", reward=_effort(0.9), settings=TINY, steps=512, checkpoint=tmp_path)
+    thin = [1, 1, 1, 0.05, 0.05, 0.05]
+    for other in ({"reward": _effort(0.0)}, {"reward": _effort(0.9), "parameters": thin}):
+        alone = evaluate("swimmer", settings=TINY, steps=512, **other)
+        beside = evaluate("swimmer", settings=TINY, steps=512, checkpoint=tmp_path, **other)
+        assert _timeless(beside) == _timeless(alone)
+    assert len(list(tmp_path.iterdir())) == 3
 
 
 @pytest.mark.parametrize(

@@ -129,6 +129,13 @@ class TakesLonger(RandomSearch):
         return super().train(environment, 2 * steps if steps > 4 else steps, seed, *a, **b)
 
 
+def deep(result: TrainingResult) -> TrainingResult:
+    """Return a policy of one layer too many."""
+    square = np.eye(2, dtype=np.float32), np.zeros(2, np.float32)
+    layers = [*[square] * 16, (np.zeros((2, 1), np.float32), np.zeros(1, np.float32))]
+    return TrainingResult((MLPPolicy(*(tuple(part) for part in zip(*layers, strict=True))),))
+
+
 FLAT = np.zeros((2, 1), np.float32)
 
 BROKEN: dict[str, tuple[type[Trainer], str]] = {
@@ -137,6 +144,7 @@ BROKEN: dict[str, tuple[type[Trainer], str]] = {
     "no policy": (changed(lambda result: TrainingResult(())), "at least one policy"),
     "double": (changed(policy(np.zeros((2, 1)), FLAT[0])), "float32"),
     "not finite": (changed(policy(FLAT, np.float32([np.nan]))), "finite"),
+    "layers": (changed(deep), "16 layers and 64 MiB at most"),
     "inputs": (changed(policy(np.zeros((3, 1), np.float32), FLAT[0])), "takes 3 numbers"),
     "outputs": (
         changed(policy(np.zeros((2, 2), np.float32), np.float32([0, 0]))),

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from robomore.envs.vector_env import VectorEnv
+from robomore.errors import InputError
 from robomore.tasks import TASKS, get_task
 from robomore.training.settings import settings_from
-from robomore.training.tuned import resolve, tuned
+from robomore.training.tuned import ensure_tuned, resolve, tuned
 from robomore.types import TrainerSettings
 
 EFFECTIVE = {
@@ -63,3 +65,27 @@ def test_a_task_of_ones_own_gets_the_options_of_the_robot_that_it_uses() -> None
     longer = replace(ant, template=ant.template + '<joint type="hinge"/>')
     assert "observed" in tuned("crossq", ant) and "observed" not in tuned("crossq", longer)
     assert tuned("mine", ant) == {}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            {"n_critics": 1},
+            r"n_critics=2 too, .*\(min_q_weight = -0.5 is tuned for ant, not given\)",
+        ),
+        ({"normalize_rewards": False}, r"\(num_bins = 101 is tuned for ant, not given\)"),
+        ({"min_q_weight": 2}, r"at most 1$"),
+    ],
+)
+def test_what_clashes_with_a_tuned_option_is_refused_and_the_option_is_named(
+    options: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        ensure_tuned(TrainerSettings("crossq", options), get_task("ant"))
+
+
+def test_what_fits_a_tuned_option_is_taken() -> None:
+    ensure_tuned(TrainerSettings("crossq", {"min_q_weight": 1}), get_task("ant"), 20_000)
+    with pytest.raises(InputError, match="n_critics is 1; give n_critics=2 too, or min_q_weight=0"):
+        ensure_tuned(TrainerSettings("crossq", {"min_q_weight": 1}), get_task("hopper"))

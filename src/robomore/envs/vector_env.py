@@ -166,7 +166,9 @@ class VectorEnv:
     def reset(self, seed: int) -> Array:
         """Start all episodes anew; returns observations (num_envs, observation_size).
 
-        Each simulation draws from a random state of its own, derived from `seed` and its index.
+        Each simulation draws from a random state that is derived from `seed` and its index. No two
+        simulations draw the same, but the first one draws what `numpy.random.default_rng(seed)`
+        does, which is where a trainer with that seed draws.
         """
         self.observation = self.observation.copy()  # the last one belongs to the caller
         for index, generator in enumerate(self._generators):

@@ -37,7 +37,7 @@ from robomore.text import one_line, to_json
 from robomore.training.checkpoint import drop_older
 from robomore.training.compilation import CACHE_VARIABLE
 from robomore.training.policy import MLPPolicy
-from robomore.training.settings import MOST_EVAL_CHECKPOINTS, settings_from
+from robomore.training.settings import MOST_EVAL_CHECKPOINTS, hidden_layers
 from robomore.training.warm import Shape
 from robomore.types import Evaluation, Job, Status
 
@@ -62,24 +62,32 @@ def evaluate(request: Request, progress: Callable[[int], None]) -> Answer:
         above.remove(scratch.name)
         above.make(scratch.name)
         evaluation, policy = _evaluate(request, _task(request), scratch, progress)
-    except InvalidMorphology as error:
-        evaluation = Evaluation(key, job, Status.INVALID_MORPHOLOGY, str(error))
-    except UnstableSimulation as error:
-        evaluation = Evaluation(key, job, Status.UNSTABLE, str(error))
-    except FitnessFailed as error:
-        evaluation = Evaluation(key, job, Status.FAILED, str(error))
-    except TrainingDiverged as error:
-        evaluation = Evaluation(key, job, Status.TRAINING_DIVERGED, str(error))
     except UnfitWorker:
         raise
-    except Exception:  # noqa: BLE001  # a fault of ours costs one candidate and keeps its traceback
-        evaluation = Evaluation(key, job, Status.FAILED, traceback.format_exc())
+    except Exception as error:  # noqa: BLE001  # a fault of ours costs one candidate
+        evaluation = Evaluation(key, job, *_end(error))
     finally:
         with suppress(OSError):  # the next training here tries again, and fails if it must
             above.remove(scratch.name)
     own_seconds = time.process_time() - began
     evaluation = replace(evaluation, seconds=evaluation.seconds + own_seconds)
     return Answer(evaluation, policy.to_bytes() if policy else b"")
+
+
+def _end(error: Exception) -> tuple[Status, str]:
+    """Return how an evaluation ends that raised, and why; a fault of ours keeps its traceback."""
+    for kind, status in _ENDS.items():
+        if isinstance(error, kind):
+            return status, str(error)
+    return Status.FAILED, "".join(traceback.format_exception(error))
+
+
+_ENDS: dict[type[Exception], Status] = {
+    InvalidMorphology: Status.INVALID_MORPHOLOGY,
+    UnstableSimulation: Status.UNSTABLE,
+    FitnessFailed: Status.FAILED,
+    TrainingDiverged: Status.TRAINING_DIVERGED,
+}
 
 
 def _task(request: Request) -> Task:
@@ -122,42 +130,52 @@ def _evaluate(
         environment={CACHE_VARIABLE: str(compiled)} if compiled else {},
         mode=containment,
     )
-    if request.checkpoint:
-        # It may not remove anything itself: what it can remove, it could hide.
+    if request.checkpoint and trained.status is Status.OK:
+        # It may not remove anything itself: what it can remove, it could hide. One that was ended
+        # may have died over its latest checkpoint, so that the older one is all there is.
         drop_older(Path(request.checkpoint))
-    if trained.status is not Status.OK:
-        failed = Evaluation(
-            key, job, trained.status, trained.diagnosis, body=body, seconds=trained.seconds
-        )
-        return failed, None
+    known = Evaluation(
+        key, job, trained.status, trained.diagnosis, body=body, seconds=trained.seconds
+    )
+    if not known.ok:
+        return known, None
     try:
         training = checked_training(trained.reply)
+        # What fails from here on has cost its training, and says how it went.
+        known = replace(
+            known,
+            terms=training.terms,
+            steps=max(0, min(training.steps, job.steps)),
+            notes=training.notes,
+            curve=training.curve,
+        )
         policy = choose(task, parameters, _policies(job, robot, scratch), job.seed)
     except ValueError as error:
         # The names of files that it left may stand in the reason.
         why = one_line(str(error))
         said = f"training ended without a fault and left nothing that can be used: {why}"
-        failed = Evaluation(key, job, Status.CRASHED, said, body=body, seconds=trained.seconds)
-        return failed, None
-    measured = measure(task, parameters, policy, job.episodes, job.seed)
+        return replace(known, status=Status.CRASHED, diagnosis=said), None
+    except Exception as error:  # noqa: BLE001  # see `_end`
+        return _failed(known, error), None
+    try:
+        measured = measure(task, parameters, policy, job.episodes, job.seed)
+    except Exception as error:  # noqa: BLE001  # see `_end`
+        return _failed(known, error), None
     volume = task.volume(parameters)
-    evaluation = Evaluation(
-        key,
-        job,
-        Status.OK,
+    evaluation = replace(
+        known,
         fitness=measured.fitness,
         volume=volume,
         efficiency=measured.fitness / volume,
         episode_fitness=measured.episode_fitness,
-        body=body,
         behaviour=measured.behaviour,
-        terms=training.terms,
-        steps=job.steps,
-        seconds=trained.seconds,
-        notes=training.notes,
-        curve=training.curve,
     )
     return evaluation, policy
+
+
+def _failed(known: Evaluation, error: Exception) -> Evaluation:
+    status, diagnosis = _end(error)
+    return replace(known, status=status, diagnosis=diagnosis)
 
 
 def _policies(job: Job, robot: VectorEnv, scratch: Path) -> Iterator[MLPPolicy]:
@@ -166,11 +184,11 @@ def _policies(job: Job, robot: VectorEnv, scratch: Path) -> Iterator[MLPPolicy]:
     Raises:
         ValueError: one of them is no policy such as this trainer leaves.
     """
-    hidden = getattr(settings_from(job.trainer), "net_arch", None)
+    hidden = hidden_layers(job.trainer)
     for path in sorted(scratch.glob(POLICIES))[-MOST_EVAL_CHECKPOINTS:]:
         policy = MLPPolicy.load(path)
         if misfit := policy.misfit(robot.observation_size, robot.action_size):
             raise ValueError(f"{path.name} {misfit}")
-        if hidden is not None and policy.sizes[1:-1] != tuple(hidden):
+        if hidden is not None and policy.sizes[1:-1] != hidden:
             raise ValueError(f"{path.name} has other layers than this trainer's")
         yield policy

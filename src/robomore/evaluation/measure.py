@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robomore.envs.measured_env import FALLS, SIDE_BY_SIDE, MeasuredEnv, Motion
-from robomore.errors import TrainingDiverged, UnstableSimulation
+from robomore.errors import FitnessFailed, TrainingDiverged, UnstableSimulation
 from robomore.identity import derive_seed
 from robomore.tasks.task import Task
 from robomore.training.policy import MLPPolicy
 from robomore.training.rollout import Policy, rollout
+
+log = logging.getLogger(__name__)
 
 _CHOICE_EPISODES = 3
 """Episodes in which policies are compared before the best is measured on others."""
@@ -50,23 +53,36 @@ def choose(
         seed: as for `measure`.
 
     Raises:
-        TrainingDiverged, UnstableSimulation: see `measure`.
+        TrainingDiverged, UnstableSimulation, FitnessFailed: of the latest, if none of several can
+            be measured; see `measure`.
         ValueError: there is none.
     """
     apart = derive_seed(seed, "choice")
-    best: MLPPolicy | None = None
-    worth: float | None = None
-    for policy in policies:
-        if best is None:
-            best = policy
-            continue
-        if worth is None:
-            worth = measure(task, parameters, best, _CHOICE_EPISODES, apart).fitness
-        fitness = measure(task, parameters, policy, _CHOICE_EPISODES, apart).fitness
-        if fitness >= worth:
-            best, worth = policy, fitness
+    fault: Exception | None = None
+
+    def worth(policy: MLPPolicy) -> float:
+        """Return the fitness; one that cannot be measured is worth less than any other."""
+        nonlocal fault
+        try:
+            return measure(task, parameters, policy, _CHOICE_EPISODES, apart).fitness
+        except (TrainingDiverged, UnstableSimulation, FitnessFailed) as error:
+            log.info("one of the late policies is left out: %s", error)
+            fault = error
+            return -math.inf
+
+    several = iter(policies)
+    best = next(several, None)
     if best is None:
         raise ValueError("no policy")
+    most: float | None = None  # one that is alone need not be measured
+    for policy in several:
+        if most is None:
+            most = worth(best)
+        fitness = worth(policy)
+        if fitness >= most:
+            best, most = policy, fitness
+    if most == -math.inf and fault is not None:
+        raise fault
     return best
 
 

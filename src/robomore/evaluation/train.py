@@ -48,17 +48,24 @@ def train(payload: bytes, scratch: Path, report: Callable[[int], None]) -> bytes
         episode_seconds=settings.episode_seconds,
         replace_rk4=settings.replace_rk4,
     )
+    done = job.steps
+
+    def told(steps: int) -> None:
+        nonlocal done
+        done = steps
+        report(steps)
+
     trained = make_trainer(job.trainer).train(
         environment,
         job.steps,
         job.seed,
         checkpoint=Path(request.checkpoint) if request.checkpoint else None,
-        progress=report,
+        progress=told,
     )
     if environment.reward_runner is not None:
         environment.reward_runner.check()  # an interruption would have found it
     for index, policy in enumerate(trained.policies):
         policy.save(scratch / POLICIES.replace("*", f"{index:02}"))
     return to_json(
-        Training(job.steps, environment.reward_statistics(), environment.notes(), trained.curve)
+        Training(done, environment.reward_statistics(), environment.notes(), trained.curve)
     )

@@ -29,6 +29,7 @@ from robomore.experiment.arguments import ensure_settings, ensure_usable, refuse
 from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
+from robomore.experiment.first_look import refuse_untrained
 from robomore.experiment.limits import limited, refusal
 from robomore.experiment.starting import Given, checked_starts, try_rewards
 from robomore.experiment.training_facts import training_facts
@@ -51,7 +52,8 @@ from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import task_content
 from robomore.tasks.registry import remember
 from robomore.trackers import RunTracking
-from robomore.training.settings import ensure_trainer, versions_for
+from robomore.training.settings import versions_for
+from robomore.training.tuned import ensure_tuned
 from robomore.types import Design, Evaluation, Morphology, Reward, Start
 
 
@@ -124,7 +126,7 @@ def run(
     ensure_settings(settings)
     method = make_method(settings.method)
     make_executor = _executor(executor, workers)
-    ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
+    ensure_tuned(settings.trainer, task, min(settings.candidate.steps, settings.final.steps))
     refuse_useless(task, settings, method, designer, budget_steps)
     # Search and designer know the limits as rules; a worker knows the task as it is.
     searched = limited(task, settings)
@@ -165,6 +167,7 @@ def run(
     if not method.needs_designer:
         context = replace(context, starts=first_morphologies)
     plan = Plan((*method.plan(context).stages, final_stage(settings.final)))
+    refuse_untrained(task, settings, plan)
     manifest = Manifest(
         task=task.id,
         task_parts=fingerprint(task),

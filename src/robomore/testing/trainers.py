@@ -12,7 +12,7 @@ import numpy as np
 from robomore.errors import InputError
 from robomore.testing.probe_env import ProbeEnv
 from robomore.training.curve import check_curve
-from robomore.training.policy import MLPPolicy
+from robomore.training.policy import MOST_BYTES, MOST_LAYERS, MLPPolicy
 from robomore.training.trainer import Trainer, TrainingResult
 from robomore.types import Curve
 
@@ -83,6 +83,13 @@ def _check_policy(policy: MLPPolicy) -> None:
     assert size == ProbeEnv.observation_size, (
         f"the policy takes {size} numbers where an observation has {ProbeEnv.observation_size}"
     )
+    try:
+        MLPPolicy.from_bytes(policy.to_bytes())
+    except ValueError as error:
+        raise AssertionError(
+            f"a policy has to be read back from its file, which has {MOST_LAYERS} layers and "
+            f"{MOST_BYTES // 2**20} MiB at most: {error}"
+        ) from None
     actions = policy.act(np.zeros((3, size)))
     assert actions.shape == (3, ProbeEnv.action_size), (
         f"the policy gives actions of the shape {actions.shape} for 3 observations, "

@@ -84,7 +84,8 @@ def load_checkpoint(folder: Path) -> Checkpoint | None:
 def drop_older(folder: Path) -> None:
     """Remove all that does not belong to the latest checkpoint in `folder`, if there is one.
 
-    Nothing is read, so that it does no harm whoever wrote the files.
+    Nothing is read, so that it does no harm whoever wrote the files. So the latest has to be whole:
+    this is for after a writer that has ended well.
     """
     files = PlainFolder(folder)
     numbers = _numbers(folder)

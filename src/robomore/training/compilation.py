@@ -1,4 +1,4 @@
-"""Compiling once in a run instead of once in a training: a folder of compiled programs.
+"""Compiling once what trainings would each compile anew: a folder of compiled programs.
 
 Tracing, lowering and compiling a round takes longer than a short training. So the finished program
 is kept, as JAX serialises it, and the next process loads it (`benchmarks/candidate.py`).

@@ -76,7 +76,11 @@ class OffPolicyTrainer(ABC):
         """
 
     def prepare(self, observation_size: int, action_size: int) -> None:
-        """Compile for a robot; see `Trainer.prepare`."""
+        """Compile the first round of learning for a robot; see `Trainer.prepare`.
+
+        A program that an algorithm has for later rounds (CrossQ, once batch renormalisation sets
+        in) is not among it: each training that comes so far compiles it for itself.
+        """
         shape = self.settings.gradient_steps, self.settings.batch_size
         observed = _observed(self.settings, observation_size)
         state, _ = self.begin(np.random.default_rng(0), observed, action_size)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -17,9 +18,21 @@ from robomore.sandbox.untrusted_files import arrays_in, read_arrays
 POLICY = "policy.npz"
 """Name of a policy's file in the folder of whatever it belongs to."""
 
-_MOST_LAYERS = 16
-_MOST_BYTES = 64 * 2**20
+MOST_LAYERS = 16
+"""Layers of a policy, that of its actions among them."""
+MOST_BYTES = 64 * 2**20
 """Size of a policy's file; those trained here have less than 1 MiB."""
+_HEADERS = 1024
+"""Bytes of a policy's file for each array, besides its numbers; NumPy writes some 400."""
+
+
+def file_bytes(sizes: Sequence[int]) -> int:
+    """Return how long a policy's file is at most, in bytes.
+
+    Args:
+        sizes: of observations, of each hidden layer, and of actions.
+    """
+    return sum(4 * (inputs + 1) * outputs + 2 * _HEADERS for inputs, outputs in pairwise(sizes))
 
 
 @dataclass(frozen=True)
@@ -89,12 +102,12 @@ class MLPPolicy:
         Raises:
             ValueError: the file is not a policy (missing layers, wrong shapes, non-finite numbers).
         """
-        return cls._of(read_arrays(path, _MOST_BYTES, most_members=2 * _MOST_LAYERS), str(path))
+        return cls._of(read_arrays(path, MOST_BYTES, most_members=2 * MOST_LAYERS), str(path))
 
     @classmethod
     def from_bytes(cls, content: bytes) -> MLPPolicy:
         """Do what `load` does with the content of a policy file."""
-        return cls._of(arrays_in(content, POLICY, _MOST_BYTES, 2 * _MOST_LAYERS), POLICY)
+        return cls._of(arrays_in(content, POLICY, MOST_BYTES, 2 * MOST_LAYERS), POLICY)
 
     @classmethod
     def _of(cls, arrays: dict[str, NDArray[np.float32]], path: str) -> MLPPolicy:

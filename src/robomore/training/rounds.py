@@ -46,7 +46,7 @@ def whole_rounds(settings: Any, environment: TrainingEnv, steps: int) -> int:
     Raises:
         InputError: fewer steps than one round.
     """
-    size = settings.train_freq * environment.num_envs
+    size = settings.train_freq * environment.num_envs  # which need not be `settings.num_envs`
     if steps < size:
         raise InputError(
             f"{steps} control steps are too few: one round of training is {size} "

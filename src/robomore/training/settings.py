@@ -20,6 +20,7 @@ from robomore.sandbox.plugins import is_installed
 from robomore.settings import from_options
 from robomore.store.manifest import package_versions
 from robomore.tasks.own_source import own_source
+from robomore.training.policy import MOST_BYTES, MOST_LAYERS, file_bytes
 from robomore.training.trainer import Trainer
 from robomore.types import TrainerSettings
 
@@ -30,6 +31,9 @@ MOST_EVAL_CHECKPOINTS = 16
 """Policies of one training that are looked at."""
 EvalCheckpoints = Annotated[int, msgspec.Meta(ge=1, le=MOST_EVAL_CHECKPOINTS)]
 PositiveFraction = Annotated[float, msgspec.Meta(gt=0, le=1)]
+Steps = Annotated[int, msgspec.Meta(ge=1, le=1000)]
+_OBSERVATIONS, _ACTIONS = 1_000, 100
+"""More than any robot here has: whether a policy can be kept is asked before a robot is made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,12 +70,33 @@ class OffPolicySettings:
     """Where the task integrates by RK4, train with implicitfast at half the timestep, for half the
     work of simulating. Policies are measured with the task's own integrator all the same."""
 
+    def __post_init__(self) -> None:
+        if self.buffer_size < self.num_envs:
+            raise InputError(
+                f"buffer_size = {self.buffer_size} holds no step of all environments (num_envs = "
+                f"{self.num_envs}); give at least {self.num_envs}, or fewer environments"
+            )
+        if len(self.net_arch) >= MOST_LAYERS:
+            raise InputError(
+                f"net_arch has {len(self.net_arch)} hidden layers; give {MOST_LAYERS - 1} at most"
+            )
+        if (size := file_bytes((_OBSERVATIONS, *self.net_arch, _ACTIONS))) > MOST_BYTES:
+            raise InputError(
+                f"net_arch = {list(self.net_arch)} makes policies of {size / 2**20:,.0f} MiB, and "
+                f"{MOST_BYTES // 2**20} MiB can be kept; give fewer units, or fewer layers"
+            )
+
+    @property
+    def round_steps(self) -> int:
+        """Control steps of one round, over all environments."""
+        return self.train_freq * self.num_envs
+
 
 @dataclass(frozen=True, slots=True)
 class LoopSettings(OffPolicySettings):
     """What our own training loop (`robomore.training.loop`) adds for our own algorithms."""
 
-    n_steps: Count = 1
+    n_steps: Steps = 1
     """Control steps over which rewards are summed before a critic's value stands for the rest."""
     normalize_rewards: bool = False
     """Rewards are clipped, centred and divided by the deviation of their discounted returns, so
@@ -92,13 +117,6 @@ class LoopSettings(OffPolicySettings):
     """Policies that are returned: one from the end of training, the others from shortly before. The
     one that does best in episodes of their own is measured."""
 
-    def __post_init__(self) -> None:
-        if self.buffer_size < self.num_envs:
-            raise InputError(
-                f"buffer_size = {self.buffer_size} holds no step of all environments (num_envs = "
-                f"{self.num_envs}); give at least {self.num_envs}, or fewer environments"
-            )
-
 
 @dataclass(frozen=True, slots=True)
 class CrossQSettings(LoopSettings):
@@ -108,13 +126,13 @@ class CrossQSettings(LoopSettings):
     gradient_steps: Count = 16
     learning_starts: Count = 5_000
     buffer_size: Count = 1_000_000
-    batch_size: Count = 128
+    batch_size: Annotated[int, msgspec.Meta(ge=2)] = 128  # a batch of one has no variance
     net_arch: tuple[Count, ...] = (128, 128)
     n_critics: Count = 1
     init_alpha: Positive = 0.1
     episode_seconds: Positive | None = 5.0
     replace_rk4: bool = True
-    n_steps: Count = 3
+    n_steps: Steps = 3
     normalize_rewards: bool = True
     policy_ema_fraction: Fraction = 0.1
     num_eval_checkpoints: EvalCheckpoints = 4
@@ -138,11 +156,11 @@ class CrossQSettings(LoopSettings):
     """The actor learns at every so many gradient steps of the critics."""
     batch_norm_momentum: Fraction = 0.99
     """Decay of the running mean and variance that replace a batch's own when the policy acts."""
-    renorm_warmup_steps: int = 100_000
+    renorm_warmup_steps: Annotated[int, msgspec.Meta(ge=0)] = 100_000
     """Gradient steps with plain batch normalisation, before batch renormalisation corrects it."""
 
     def __post_init__(self) -> None:
-        LoopSettings.__post_init__(self)  # with slots, `super()` does not know the class
+        OffPolicySettings.__post_init__(self)  # with slots, `super()` does not know the class
         if self.num_bins == 1 or (self.num_bins and not self.normalize_rewards):
             raise InputError(
                 f"num_bins = {self.num_bins}: critics tell at least 2 ranges of values apart, of "
@@ -245,12 +263,14 @@ def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
         InputError: see `settings_from`; a package that the algorithm needs is not installed; or
             nothing would be learnt in `steps`.
     """
-    learning_starts = getattr(settings_from(trainer), "learning_starts", 0)
-    if steps is not None and steps <= learning_starts:
+    least = least_steps(trainer)
+    if steps is not None and steps < least:
+        one_round = getattr(settings_from(trainer), "round_steps", 0)
+        smaller = "train_freq" if steps < one_round else "learning_starts"
         raise InputError(
-            f"trainer {trainer.name} learns nothing in {steps} steps: the first {learning_starts} "
-            "are random actions; give it more --steps, or fewer random actions with "
-            "--trainer-option learning_starts=NUMBER"
+            f"trainer {trainer.name} learns nothing in {steps} steps: {_before_learning(trainer)}; "
+            f"give it at least {least} (--steps, and --final-steps of a run), or let it learn "
+            f"sooner with a smaller --trainer-option {smaller}=NUMBER"
         )
     algorithm = TRAINERS.get(trainer.name)
     missing = [name for name in algorithm.needs if importlib.util.find_spec(name) is None]
@@ -259,6 +279,43 @@ def ensure_trainer(trainer: TrainerSettings, steps: int | None = None) -> None:
             f"trainer {trainer.name} needs {' and '.join(missing)}, which is not installed here: "
             f"{algorithm.remedy}"
         )
+
+
+def least_steps(trainer: TrainerSettings) -> int:
+    """Return the control steps of the shortest training in which something is learnt.
+
+    Raises:
+        InputError: see `settings_from`.
+    """
+    settings = settings_from(trainer)
+    random: int = getattr(settings, "learning_starts", 0)
+    if not isinstance(settings, OffPolicySettings):
+        return random + 1
+    # It trains in whole rounds. Stable-Baselines3 learns only once these are exceeded.
+    begins = random + 1 if isinstance(settings, SB3Settings) else random
+    return max(1, -(-begins // settings.round_steps)) * settings.round_steps
+
+
+def _before_learning(trainer: TrainerSettings) -> str:
+    """Return what comes before learning, in words."""
+    settings = settings_from(trainer)
+    said = f"the first {getattr(settings, 'learning_starts', 0)} are random actions"
+    if not isinstance(settings, OffPolicySettings):
+        return said
+    return (
+        f"{said}, and it trains in whole rounds of {settings.round_steps} (train_freq = "
+        f"{settings.train_freq} times num_envs = {settings.num_envs})"
+    )
+
+
+def hidden_layers(trainer: TrainerSettings) -> tuple[int, ...] | None:
+    """Return the units of each hidden layer of a policy that `trainer` leaves.
+
+    `None` for a trainer that RoboMoRe does not bring, whose policies may have any.
+    """
+    settings = settings_from(trainer)
+    ours = TRAINERS.get(trainer.name).trainer.startswith("robomore.")
+    return settings.net_arch if ours and isinstance(settings, OffPolicySettings) else None
 
 
 def versions_for(trainer: TrainerSettings) -> dict[str, str]:

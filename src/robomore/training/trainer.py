@@ -103,7 +103,7 @@ class Trainer(Protocol):
             seed: of everything random.
             checkpoint: folder to continue from, if it holds a checkpoint of this training after at
                 most `steps`. The new checkpoint is left there. `None` keeps none.
-            progress: is told the steps done, some times a second at most.
+            progress: is told the steps done, some times a second at most, and at the end.
 
         Raises:
             InputError: too few steps.

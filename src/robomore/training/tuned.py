@@ -6,9 +6,12 @@ none is trained with the trainer's defaults.
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
+from robomore.errors import InputError
 from robomore.tasks import Task
+from robomore.training.settings import ensure_trainer
 from robomore.types import TrainerSettings
 
 _TUNED: dict[str, dict[str, dict[str, Any]]] = {
@@ -66,3 +69,25 @@ def resolve(trainer: TrainerSettings, task: Task) -> TrainerSettings:
     A job carries the result, so that tuned options are part of an evaluation's key.
     """
     return TrainerSettings(trainer.name, {**tuned(trainer.name, task), **trainer.options})
+
+
+def ensure_tuned(trainer: TrainerSettings, task: Task, steps: int | None = None) -> None:
+    """Do what `ensure_trainer` does, with the tuned options for this task put in.
+
+    Raises:
+        InputError: see `ensure_trainer`. Tuned options that it names are said to be tuned, since
+            whoever reads it never gave them.
+    """
+    try:
+        ensure_trainer(resolve(trainer, task), steps)
+    except InputError as error:
+        named = set(re.findall(r"\w+", str(error)))
+        ours = {
+            name: value
+            for name, value in tuned(trainer.name, task).items()
+            if name in named and name not in trainer.options
+        }
+        if not ours:
+            raise
+        said = ", ".join(f"{name} = {value:g}" for name, value in ours.items())
+        raise InputError(f"{error} ({said} is tuned for {task.id}, not given)") from None

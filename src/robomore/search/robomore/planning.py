@@ -24,6 +24,7 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
     trials, fine_batches = 2 * branches * cycles, 2 * cycles
     adaptive = settings.order == "adaptive"
     turns = 2 * cycles if adaptive else cycles
+    first_look = settings.rungs[0].budget_fraction if batches > 1 else 0
     if settings.improvement == "seeds" and cycles:
         # Each proposal is measured twice at most, and so is what a branch begins with.
         trials, fine_batches = 2 * trials + branches, 2 * fine_batches
@@ -40,6 +41,7 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
                 evaluations=pairs,
                 steps=round(trainings * candidate.steps),
                 batches=batches,
+                shortest=round(first_look * candidate.steps),
             ),
             Stage(
                 name=FINE,
