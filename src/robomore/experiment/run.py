@@ -299,7 +299,8 @@ def _search(
     context: SearchContext,
     budget_steps: int | None,
 ) -> list[Evaluation]:
-    """Return the method's designs, best first, or the best so far when its budget is spent.
+    """Return the method's designs, best first, and then what else it trained to the end; what was
+    trained, best first, when its budget is spent.
 
     Raises:
         NothingTrained: there is none.
@@ -308,6 +309,9 @@ def _search(
     evaluate = BudgetedEvaluate(measure, context.candidate, budget_steps)
     try:
         best = method.run(designer, evaluate, context)
+        if best:
+            # `robomore` ends with one design a branch, and the final may be asked for more.
+            best = [*best, *evaluate.best(context.objective)]
     except BudgetSpent:
         best = evaluate.best(context.objective)
     except NothingTrained:
