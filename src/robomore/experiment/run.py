@@ -128,7 +128,8 @@ def run(
     ensure_trainer(settings.trainer, min(settings.candidate.steps, settings.final.steps))
     refuse_useless(task, settings, method, designer, budget_steps)
     # Search and designer know the limits as rules; a worker knows the task as it is.
-    searched = limited(task, settings)
+    draws = "morphology" in getattr(method, "starts_from", ()) and designer in (None, "offline")
+    searched = limited(task, settings, draws=draws)
     starts = checked_starts(searched, start_from)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
     given = [(one.origin, one.reward.source) for one in starts if one.reward]
@@ -161,7 +162,11 @@ def run(
             "language model (--model)"
         )
     first_morphologies, first_rewards = usable(
-        starts, getattr(method, "starts_from", ()), method.plan(context), settings.method.name
+        starts,
+        getattr(method, "starts_from", ()),
+        method.plan(context),
+        settings.method.name,
+        getattr(method, "reference_first", True),
     )
     if not method.needs_designer:
         context = replace(context, starts=first_morphologies)
