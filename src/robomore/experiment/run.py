@@ -25,7 +25,12 @@ from robomore.errors import (
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
-from robomore.experiment.arguments import ensure_settings, ensure_usable, refuse_useless
+from robomore.experiment.arguments import (
+    ensure_settings,
+    ensure_usable,
+    refuse_useless,
+    warn_of_size,
+)
 from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
@@ -171,6 +176,7 @@ def run(
     if not method.needs_designer:
         context = replace(context, starts=first_morphologies)
     plan = Plan((*method.plan(context).stages, final_stage(settings.final)))
+    warn_of_size(method, context, budget_steps)
     manifest = Manifest(
         task=task.id,
         task_parts=fingerprint(task),
