@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 import untrained  # noqa: F401  # makes its executor known
-from robomore.errors import InputError
+from robomore.errors import InputError, Interrupted
+from robomore.events import Event, Finished, Observer, ignore
 from robomore.experiment import run
 from robomore.options import with_options
 from robomore.runs import Run, load_run
@@ -21,9 +22,17 @@ SETTINGS = with_options(preset("smoke"), method="random", evaluations=8, finalis
 STEPS = SETTINGS.candidate.steps
 
 
-def start(out: Path, trainings: int | None, seed: int = 1) -> Run:
+def start(out: Path, trainings: int | None, observe: Observer = ignore) -> Run:
     budget = None if trainings is None else trainings * STEPS
-    return run("swimmer", SETTINGS, executor="untrained", out=out, seed=seed, budget_steps=budget)
+    return run(
+        "swimmer",
+        SETTINGS,
+        executor="untrained",
+        out=out,
+        seed=1,
+        budget_steps=budget,
+        observe=observe,
+    )
 
 
 def finals(found: Run) -> list[tuple[Place, str]]:
@@ -43,6 +52,20 @@ def test_a_larger_budget_leaves_one_final_as_if_it_had_been_the_first(tmp_path: 
     assert {e.key for e in grown.measured} == {e.key for e in whole.measured}
     with closing(Ledger(RunFolder(tmp_path / "grown").ledger, read_only=True)) as ledger:
         assert len(ledger.evaluations()) > len(grown.measured), "what was trained is kept"
+
+
+def test_a_run_that_goes_on_with_a_larger_budget_is_not_finished(tmp_path: Path) -> None:
+    assert start(tmp_path, 2).final
+
+    def stop(event: Event) -> None:
+        if isinstance(event, Finished) and not event.known:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted):
+        start(tmp_path, 8, observe=stop)
+    between = load_run(tmp_path)
+    assert not between.final and between.champion is not None
+    assert start(tmp_path, 8).final
 
 
 def test_a_budget_below_what_was_spent_is_refused_and_changes_nothing(tmp_path: Path) -> None:

@@ -51,7 +51,9 @@ def load_run(folder: str | Path) -> Run:
         untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
         proposals = tuple(ledger.proposals())
         events = ledger.events()
-    ends = [event for event in events if event.kind == "finished"]
+    # A final is no last word once its search goes on with another budget.
+    since = max((n for n, event in enumerate(events) if event.kind == "budget"), default=0)
+    ends = [event for event in events[since:] if event.kind == "finished"]
     relaxed = [event.body.get("layers") for event in events if event.kind == "containment"]
     with closing(LedgerExchanges(files.ledger, read_only=True)) as exchanges:
         spending = exchanges.spent()
