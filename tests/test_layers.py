@@ -15,7 +15,7 @@ SOURCE = Path(__file__).parents[1] / "src" / "robomore"
 MODULES = sorted(SOURCE.rglob("*.py"))
 
 LAYERS = (
-    {"errors", "post_import", "processes", "release", "text"},
+    {"errors", "post_import", "processes", "release", "text", "transport"},
     {"plain_files", "suggestions", "types"},
     {"identity", "plan", "registry", "settings", "statistics"},
     {"events", "options"},

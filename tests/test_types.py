@@ -27,10 +27,32 @@ def test_transport_economy_is_one_over_the_cost_of_transport() -> None:
     assert (MOVED.score(), MOVED.score("fitness"), MOVED.energy) == (20.0, 10.0, 98.1)
 
 
-def test_who_only_falls_over_transports_nothing() -> None:
-    fell = replace(MOVED, behaviour={"forward_distance_m": 0.4, "energy_j": 1e-6})
-    assert fell.cost_of_transport is None
-    assert fell.score("transport-economy") == 0.0
+@pytest.mark.parametrize(
+    ("distance", "height", "counts"),
+    [
+        (0.4, 0.1, False),
+        (1.02, 1.25, False),
+        (2.01, 2.45, False),
+        (1.02, 0.4, True),
+        (3, 1.2, True),
+    ],
+)
+def test_who_only_falls_over_transports_nothing(
+    distance: float, height: float, counts: bool
+) -> None:
+    moved = replace(
+        MOVED,
+        body={"mass": 2.0, "rest_height": height},
+        behaviour={"forward_distance_m": distance, "energy_j": 1.7},
+    )
+    assert (moved.cost_of_transport is not None) == counts
+    assert ((moved.score("transport-economy") or 0) > 0) == counts
+
+
+@pytest.mark.parametrize("energy", [0.0, 1e-6])
+def test_no_fault_of_the_simulation_makes_transport_cheaper_than_the_least(energy: float) -> None:
+    thrown = replace(MOVED, behaviour={"forward_distance_m": 10.0, "energy_j": energy})
+    assert thrown.score("transport-economy") == pytest.approx(1000)
 
 
 def test_what_was_not_measured_is_not_compared() -> None:

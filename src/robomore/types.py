@@ -1,7 +1,7 @@
 """The five nouns of RoboMoRe as frozen values: Morphology, Reward, Design, Job and Evaluation.
 
 Everything that crosses a process boundary or lands in the ledger is one of these, encoded as JSON.
-This module imports nothing of RoboMoRe but `text`, and nothing heavy.
+This module imports nothing of RoboMoRe but `text` and `transport`, and nothing heavy.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from enum import StrEnum
 from typing import Any
 
 from robomore.text import encodable, one_line
+from robomore.transport import cost_of_transport
 
 _NAME = re.compile(r"\w[\w.-]{0,99}", re.ASCII)
 """Keys of evaluations, which are names of folders too."""
@@ -200,14 +201,6 @@ class Curve:
     series: dict[str, tuple[float | None, ...]]
 
 
-GRAVITY = 9.81
-"""In m/s^2. It is the same for tasks without gravity, so that costs of transport compare."""
-
-LEAST_TRANSPORT = 1.0
-"""Distance in m from which on a robot transports anything: one that falls over forward, or drifts,
-spends almost no energy on the way."""
-
-
 @dataclass(frozen=True, slots=True)
 class Evaluation:
     """What training one design gave.
@@ -291,13 +284,13 @@ class Evaluation:
     def cost_of_transport(self) -> float | None:
         """Energy / (mass * gravity * distance), without a unit: less is better.
 
-        `None` where it was not measured, and for a robot that moves less than a metre, which
-        transports nothing.
+        `None` where it was not measured, and for a robot that gets no farther than a fall would
+        (`robomore.transport`), which transports nothing.
         """
         distance, mass = self.behaviour.get("forward_distance_m", 0.0), self.body.get("mass")
-        if self.energy is None or mass is None or distance < LEAST_TRANSPORT:
+        if self.energy is None or mass is None:
             return None
-        return self.energy / (mass * GRAVITY * distance)
+        return cost_of_transport(distance, self.energy, mass, self.body.get("rest_height", 0.0))
 
     def score(self, objective: str = "efficiency") -> float | None:
         """The number the search compares, `None` for a failure; never a sentinel.

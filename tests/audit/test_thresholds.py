@@ -27,7 +27,7 @@ from robomore.audit import (
     timestep,
 )
 from robomore.audit import density as density_check
-from robomore.types import GRAVITY
+from robomore.transport import GRAVITY
 
 Check = Callable[[Subject], Verdict]
 P, W, F = "passes", "warns", "fails"

@@ -8,9 +8,11 @@ from statistics import fmean
 import numpy as np
 import pytest
 
+from robomore.envs.compile import body_facts
 from robomore.evaluation.measure import choose, measure
-from robomore.tasks import get_task
+from robomore.tasks import Fitness, get_task
 from robomore.training.policy import MLPPolicy
+from robomore.transport import cost_of_transport
 
 STEPS = 40
 TASK = replace(get_task("half-cheetah"), episode_steps=STEPS)
@@ -50,6 +52,29 @@ def test_motors_that_do_nothing_have_no_energy_and_saturation_is_of_each_episode
     full = measure(TASK, TASK.reference, pushing(9.0), 3, 5).behaviour
     assert still["energy_j"] == 0.0 and still["saturated_share"] == 0.0
     assert full["energy_j"] > 0 and full["saturated_share"] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        get_task("hopper").reference,
+        (2.9, 2.0, 1.0, 0.1, -0.13, 0.26, 0.05, 0.05, 0.04, 0.06),
+    ],
+    ids=["reference", "tall"],
+)
+def test_a_hopper_that_only_falls_over_forward_transports_nothing(
+    parameters: tuple[float, ...],
+) -> None:
+    """With next to no energy it gets farther than 1 m: an economy of 27 to 95, if it counted."""
+    hopper = replace(get_task("hopper"), fitness=Fitness.of("transport-economy"))
+    still = np.zeros((11, 3), np.float32)
+    push = MLPPolicy((still,), (np.arctanh(np.full(3, 0.1, np.float32)),))
+    found, body = measure(hopper, parameters, push, 2, 0), body_facts(hopper, parameters)
+    distance, energy = (found.behaviour[one] for one in ("forward_distance_m", "energy_j"))
+    assert distance > 1 and energy < 20
+    assert found.fitness == 0.0
+    assert cost_of_transport(distance, energy, body["mass"], body["rest_height"]) is None
+    assert (cost_of_transport(distance, energy, body["mass"], 0.1) or 1) < 0.2
 
 
 def test_the_best_policy_is_chosen_whatever_the_order() -> None:

@@ -11,13 +11,14 @@ import pytest
 
 from robomore.errors import InputError
 from robomore.experiment import evaluate, run
-from robomore.experiment.arguments import ensure_usable
+from robomore.experiment.arguments import ensure_usable, warn_of_size
 from robomore.experiment.first_look import refuse_untrained
 from robomore.options import with_options
 from robomore.search import SearchContext, make_method
 from robomore.settings import preset
 from robomore.tasks import get_task
-from robomore.types import Design, Morphology, Reward
+from robomore.types import Design, MethodSettings, Morphology, Reward
+from search.fakes import context_of
 
 SMOKE = preset("smoke")
 
@@ -122,3 +123,37 @@ def test_no_steps_are_not_the_preset_s() -> None:
 
 def test_numbers_of_numpy_are_numbers() -> None:
     ensure_usable(np.int64(3), np.int32(2), np.int64(10), np.float64(0.5), "runs/one")
+
+
+@pytest.mark.parametrize(
+    ("method", "options", "trainings", "warned"),
+    [
+        # `standard` has 72 evaluations.
+        ("bayesian", {}, 20, True),
+        ("map-elites", {}, 200, True),
+        ("cmaes", {}, 72, False),
+        ("random", {}, 60, False),
+        ("eureka", {}, 20, True),
+        ("robomore", {}, 20, False),
+        ("genetic", {"evaluations": 30}, 20, False),
+    ],
+)
+def test_a_method_that_is_sized_for_another_budget_is_told(
+    method: str,
+    options: dict[str, Any],
+    trainings: int,
+    warned: bool,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    context = context_of("swimmer", 72)
+    made = make_method(MethodSettings(method, options))
+    warn_of_size(made, context, trainings * context.candidate.steps)
+    assert bool(caplog.records) == warned
+    if warned:
+        said = caplog.text
+        assert f"pays for {trainings} full trainings" in said and "sized for 7" in said
+        caplog.clear()
+        sized = replace(context, evaluations=trainings)
+        warn_of_size(made, sized, trainings * context.candidate.steps)
+        assert f"--evaluations {trainings} beside" in said and not caplog.records
+    warn_of_size(made, context, None)

@@ -43,6 +43,33 @@ def test_no_design_of_a_search_is_larger_than_the_limit(
     assert any("beyond this run's limit of volume" in said for said in found.warnings)
 
 
+TIGHT = 0.001
+"""In m³: within the task's bounds, and with no morphology in its search ranges."""
+
+
+def test_a_limit_beyond_the_search_ranges_is_for_those_who_draw_nothing(tmp_path: Path) -> None:
+    options: dict[str, Any] = {"max_volume": TIGHT, "evaluations": 2}
+    for refused in ({}, {"method": "random"}, {"method": "eureka-morphology"}):
+        settings = with_options(preset("smoke"), **refused, **options)
+        with pytest.raises(InputError, match=r"and the search ranges.*language model propose"):
+            run("swimmer", settings, executor="untrained", out=tmp_path / "refused")
+    assert not list(tmp_path.iterdir())
+    ours = ({"method": "eureka"}, {"method_options": {"without": ["morphology"]}})
+    for number, taken in enumerate(ours):
+        settings = with_options(preset("smoke"), **taken, **options)
+        found = run("swimmer", settings, executor="untrained", out=tmp_path / f"{number}")
+        assert all(r.evaluation.volume <= TIGHT for r in found.searched)
+
+
+@pytest.mark.parametrize("method", ["random", "genetic", "map-elites"])
+def test_unlucky_draws_under_a_limit_end_no_search(method: str, tmp_path: Path) -> None:
+    """At 0.005 m³ about one morphology in six is not found in 2,000 draws."""
+    settings = with_options(preset("smoke"), method=method, evaluations=8, max_volume=0.005)
+    found = run("swimmer", settings, executor="untrained", out=tmp_path)
+    assert len([r for r in found.searched if r.evaluation.ok]) == 8
+    assert all(r.evaluation.volume <= 0.005 for r in found.searched)
+
+
 def test_a_method_that_has_only_the_reference_says_that_it_is_too_large(tmp_path: Path) -> None:
     settings = with_options(preset("smoke"), method="reference", max_volume=HALF)
     with pytest.raises(NothingTrained, match=r"a volume of 0\.1068 m³ is above the limit"):

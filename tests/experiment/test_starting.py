@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from robomore.errors import InputError
+from robomore.errors import InputError, InvalidMorphology
 from robomore.experiment import run
 from robomore.experiment.starting import try_rewards
 from robomore.sandbox.call import Containment
@@ -37,6 +37,15 @@ def test_a_start_that_fails_as_it_runs_is_refused_before_anything_is_trained(
 def test_so_is_the_reward_of_the_method_given(tmp_path: Path) -> None:
     settings = with_method(preset("smoke"), "given", {"reward": MISSPELT})
     with pytest.raises(InputError, match=r"option `reward` of 'given'.* line 3: .*sqare"):
+        run("swimmer", settings, out=tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+def test_parameters_of_the_method_given_are_checked_before_there_is_a_folder(
+    tmp_path: Path,
+) -> None:
+    settings = with_method(preset("smoke"), "given", {"parameters": [1, 2]})
+    with pytest.raises(InvalidMorphology, match="swimmer"):
         run("swimmer", settings, out=tmp_path / "run")
     assert not (tmp_path / "run").exists()
 

@@ -9,13 +9,15 @@ import pytest
 
 from robomore.runs.lineage import Record
 from robomore.runs.pareto import covered, in_words, pareto_set
-from robomore.types import Evaluation, Place, Status
+from robomore.types import Design, Evaluation, Morphology, Place, Reward, Status
 from test_types import MOVED
 
 
 def design(key: str, fitness: float, volume: float, energy: float | None) -> Evaluation:
     moved = {} if energy is None else {"energy_j": energy}
-    return replace(MOVED, key=key, fitness=fitness, volume=volume, behaviour=moved)
+    own = Design(Morphology((float(sum(map(ord, key.partition("-")[0]))),)), Reward(""))
+    job = replace(MOVED.job, design=own)
+    return replace(MOVED, key=key, job=job, fitness=fitness, volume=volume, behaviour=moved)
 
 
 @dataclass
@@ -41,6 +43,15 @@ def test_who_is_beaten_by_nobody_stays() -> None:
     failed = replace(design("failed", 90.0, 0.1, 1.0), status=Status.UNSTABLE)
     run = run_of(small, worse, fast, unknown, failed, small)
     assert [e.key for e in pareto_set(run)] == ["fast", "small"]
+
+
+def test_a_design_counts_once_by_the_mean_of_its_seeds() -> None:
+    lucky = [design("a-1", 30.0, 0.5, 80.0), design("a-2", 10.0, 0.5, 120.0)]
+    steady = design("b", 25.0, 0.5, 100.0)
+    assert [e.key for e in pareto_set(run_of(*lucky))] == ["a-1"]
+    assert covered(run_of(*lucky)) == pytest.approx(2 * 0.5 * 0.5)
+    # Its luckier seed alone would stand beside the other design.
+    assert [e.key for e in pareto_set(run_of(*lucky, steady))] == ["b"]
 
 
 def test_what_is_covered_is_relative_to_the_reference() -> None:

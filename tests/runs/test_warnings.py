@@ -38,6 +38,18 @@ def test_a_sound_result_has_no_warning(tmp_path: Path) -> None:
     assert load_run(tmp_path).warnings == ()
 
 
+@pytest.mark.parametrize(
+    ("champion", "words"),
+    [("found", "and could not be champion"), ("reference", "it is champion all the same")],
+)
+def test_a_reference_beyond_the_limits_is_told_with_the_seat_that_it_has(
+    champion: str, words: str, tmp_path: Path
+) -> None:
+    run = FakeRun(tmp_path, settings=replace(SETTINGS, max_volume=0.05))
+    run.final(run.fine(run.coarse()), champion=champion)
+    assert words in said(tmp_path)
+
+
 def test_an_unfinished_run_says_so_first(tmp_path: Path) -> None:
     FakeRun(tmp_path).coarse()
     assert load_run(tmp_path).warnings[0].startswith("The run is not finished")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from robomore.designers.started import StartedDesigner
 from robomore.errors import NothingTrained, ProposalFailed
 from robomore.search import make_method
 from robomore.tasks import get_task
@@ -51,7 +52,7 @@ def test_each_round_improves_on_the_best_of_the_one_before() -> None:
     assert not any(t.place.parent for t in first)
 
 
-def test_a_round_of_failures_is_skipped_and_a_first_one_ends_the_search() -> None:
+def test_a_round_of_failures_is_skipped() -> None:
     def score(morphology: float, reward: float) -> float | None:
         return None if reward > 13 else reward
 
@@ -59,7 +60,24 @@ def test_a_round_of_failures_is_skipped_and_a_first_one_ends_the_search() -> Non
     measuring = Measuring(score)
     best = method.run(Numbered(), measuring, context())
     assert best[0].efficiency == 13 and len(measuring.batches) == 3
-    with pytest.raises(NothingTrained, match="all 4 candidates failed"):
+
+
+def test_after_a_first_round_of_failures_the_next_one_proposes_anew() -> None:
+    method = make_method(MethodSettings("eureka", {"iterations": 3, "samples": 4}))
+    measuring = Measuring(lambda morphology, reward: reward if reward >= 14 else None)
+    designer = StartedDesigner(Numbered(), (), [Reward("1")])
+    best = method.run(designer, measuring, context())
+    rewards = [[float(t.design.reward.source) for t in batch] for batch in measuring.batches]
+    # What was given stands in the first round alone; 17 is the best of 14 to 17, then 17 + 3.
+    assert rewards == [[1, 11, 12, 13], [14, 15, 16, 17], [17, 18, 19, 20]]
+    assert best[0].efficiency == 20
+    assert [t.place.index for t in measuring.batches[1]] == [(1, n) for n in range(4)]
+    assert not any(t.place.parent for t in measuring.batches[1])
+
+
+def test_rounds_in_which_all_fail_end_with_why() -> None:
+    method = make_method(MethodSettings("eureka", {"iterations": 3, "samples": 4}))
+    with pytest.raises(NothingTrained, match="all 12 candidates failed"):
         method.run(Numbered(), Measuring(lambda morphology, reward: None), context())
 
 

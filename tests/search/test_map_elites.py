@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import pytest
 
+from robomore.errors import InputError
+from robomore.search import make_method
 from robomore.search.map_elites import MapElitesSettings, archive, cell_of
-from robomore.types import Design, Evaluation, Morphology, Reward
+from robomore.types import Design, Evaluation, MethodSettings, Morphology, Reward
 from search.fakes import evaluation
 
 SETTINGS = MapElitesSettings(descriptors=("stride_frequency_hz", "ground_contact_share"), bins=4)
@@ -34,3 +36,9 @@ def test_a_cell_keeps_its_best_and_failures_fill_none() -> None:
     other, failed, still = moving(4, 0.5, **fast), moving(5, None, **fast), moving(6, 9.0)
     found = archive([first, better, worse, other, failed, still], SETTINGS, "efficiency")
     assert found == {(0, 3): better, (3, 1): other}
+
+
+def test_one_measure_twice_spans_no_archive() -> None:
+    twice = {"descriptors": ["ground_contact_share", "ground_contact_share"]}
+    with pytest.raises(InputError, match=r"one measure twice.*: joint_amplitude_rad, stride_freq"):
+        make_method(MethodSettings("map-elites", twice))

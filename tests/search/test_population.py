@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import cmaes
 import numpy as np
 import pytest
 
+from robomore.experiment.limits import limited
 from robomore.search import make_method
 from robomore.search.genetic import limbs_of
 from robomore.search.population import valid_point
+from robomore.settings import preset
 from robomore.tasks import TASKS, get_task
 from robomore.tasks.unit_space import UnitSpace
 from robomore.testing.methods import check_method
-from robomore.types import MethodSettings
+from robomore.types import MethodSettings, Reward
 from search.fakes import Measuring, context_of, evaluation
 
 METHODS = {
@@ -61,6 +66,29 @@ def test_a_point_that_no_draw_makes_valid_is_pulled_to_a_valid_one() -> None:
     values = valid_point(space, lambda: np.zeros(space.size), task.reference)
     assert task.check(values) == values
     assert task.volume(values) < 0.1 * task.volume(task.reference)
+
+
+def test_cmaes_learns_from_what_was_trained_and_not_from_what_a_limit_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    swimmer = get_task("swimmer")
+    tight = limited(swimmer, replace(preset("smoke"), max_volume=0.0053))
+    told: list[np.ndarray] = []
+    real = cmaes.CMA.tell
+
+    def tell(self: cmaes.CMA, solutions: list[tuple[np.ndarray, float]]) -> None:
+        told.extend(point for point, _ in solutions)
+        real(self, solutions)
+
+    monkeypatch.setattr(cmaes.CMA, "tell", tell)
+    measuring = Measuring(lambda morphology, reward: morphology)
+    context = replace(context_of("swimmer", 24), task=tight)
+    context = replace(context, reference=replace(context.reference, reward=Reward("1")))
+    make_method(MethodSettings("cmaes", {"population": 4})).run(None, measuring, context)  # type: ignore[arg-type]
+    space = UnitSpace(tight)
+    trained = [t.design.morphology.parameters for batch in measuring.batches for t in batch]
+    assert len(told) == len(trained) == 24
+    assert np.abs(np.clip(told, 0, 1) - space.units(trained)).max() < 1e-3
 
 
 @pytest.mark.parametrize("task", TASKS)

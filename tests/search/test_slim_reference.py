@@ -8,7 +8,10 @@ import pytest
 
 from paper import PAPER
 from robomore.errors import InputError
+from robomore.experiment.limits import limited
+from robomore.options import with_options
 from robomore.search.slim_reference import SlimReference, SlimReferenceSettings, slim, thinnest
+from robomore.settings import preset
 from robomore.tasks import TASKS, get_task
 from robomore.testing.methods import check_method
 
@@ -48,6 +51,27 @@ def test_the_thinnest_is_the_reference_where_no_radius_could_be_smaller() -> Non
     assert thinnest(swimmer) == slim(swimmer, PLAIN)[0]
     fixed = replace(swimmer, shapes=lambda values: swimmer.solids(swimmer.named(swimmer.reference)))
     assert thinnest(fixed).parameters == swimmer.reference
+
+
+def test_a_scale_that_is_given_is_held_to_the_task_s_own_bounds() -> None:
+    swimmer = get_task("swimmer")
+    widest = slim(swimmer, SlimReferenceSettings(thinnest=0.05))
+    assert len(widest) == 6 and widest[0].parameters[3:] == (0.005, 0.005, 0.005)
+    assert slim(swimmer, PLAIN)[0].parameters[3] > 0.016
+    with pytest.raises(InputError, match=r"its bounds and rules allow 0\.05001 at the least"):
+        slim(swimmer, SlimReferenceSettings(thinnest=0.04))
+
+
+def test_scales_that_a_limit_refuses_are_named_with_what_refuses_them() -> None:
+    swimmer = get_task("swimmer")
+    tight = limited(swimmer, with_options(preset("smoke"), max_volume=0.005))
+    with pytest.raises(InputError, match=r"none of the 6 scales from 0\.5 up .*limit of 0\.005 m³"):
+        slim(tight, SlimReferenceSettings(thinnest=0.5))
+    tighter = limited(swimmer, with_options(preset("smoke"), max_volume=0.001))
+    with pytest.raises(InputError, match=r"no radii of swimmer thinner .* search ranges"):
+        slim(tighter, PLAIN)
+    kept = thinnest(tighter)
+    assert tighter.check(kept.parameters) and "scaled into the run's limits" in kept.idea
 
 
 def test_it_keeps_the_contract() -> None:

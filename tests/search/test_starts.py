@@ -85,7 +85,8 @@ def test_a_designer_s_first_places_are_given_ones_and_the_rest_its_own() -> None
 
 
 def test_every_method_says_what_it_starts_from() -> None:
-    takes = {name: getattr(method, "starts_from", ()) for name, method in METHODS.items()}
+    methods = {name: make_method(MethodSettings(name)) for name in METHODS}
+    takes = {name: getattr(method, "starts_from", ()) for name, method in methods.items()}
     both, one = ("morphology", "reward"), ("morphology",)
     assert {name: kinds for name, kinds in takes.items() if name != "given"} == {
         "robomore": both,
@@ -114,6 +115,42 @@ def test_what_a_method_cannot_use_is_refused() -> None:
     with pytest.raises(InputError, match="2 starts have a reward, and this search tries 1"):
         others = [Start("a.py", None, MINE), Start("b.py", None, Reward(f"{MINE.source}\n"))]
         usable(others, ("reward",), PLAN, "robomore")
+
+
+@pytest.mark.parametrize(
+    ("without", "takes"), [("morphology", "takes a reward"), ("reward", "takes a morphology")]
+)
+def test_a_search_without_a_half_cannot_start_from_one(without: str, takes: str) -> None:
+    method = make_method(MethodSettings("robomore", {"without": [without]}))
+    plan = method.plan(context_of("swimmer", 4))
+    half = {"morphology": Start("mine", THICK), "reward": Start("mine", None, MINE)}[without]
+    with pytest.raises(InputError, match=f"mine is a {without}.*{takes}"):
+        usable([half], method.starts_from, plan, "robomore")  # type: ignore[attr-defined]
+    assert plan.proposals["propose", without] == 0
+    # Of a whole design it takes the other half.
+    kept = usable([Start("run", THICK, MINE)], method.starts_from, plan, "robomore")  # type: ignore[attr-defined]
+    assert kept == (((), (MINE,)) if without == "morphology" else ((THICK,), ()))
+
+
+@pytest.mark.parametrize(("name", "places"), [("random", 4), ("cmaes", 4), ("genetic", 3)])
+def test_as_many_starts_are_taken_as_there_are_places(name: str, places: int) -> None:
+    method = make_method(MethodSettings(name))
+    context = context_of("swimmer", 4)
+    starts = [
+        Start(f"{n}.json", Morphology((1.0, 1.0, 1.0, 0.2, 0.2, 0.1 + 0.01 * n)))
+        for n in range(places + 1)
+    ]
+    first = getattr(method, "reference_first", True)
+
+    def taken(count: int) -> int:
+        given, _ = usable(starts[:count], ("morphology",), method.plan(context), name, first)
+        measured = Measured()
+        method.run(CountingDesigner(), measured, replace(context, starts=given))
+        return len(set(given) & {trial.design.morphology for trial in measured.trials})
+
+    assert taken(places) == places
+    with pytest.raises(InputError, match=f"{places + 1} starts .* tries {places} first ones"):
+        taken(places + 1)
 
 
 def test_what_is_given_twice_takes_one_place() -> None:

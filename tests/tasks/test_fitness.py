@@ -69,6 +69,11 @@ CASES: list[tuple[str, dict[str, Any], Trajectory, float]] = [
     ("distance-per-energy", {}, at(0.1, 5, joules=0.01), 0.0),
     ("transport-economy", {}, at(2.0, 5, joules=981.0), 1.0),
     ("transport-economy", {}, at(2.0, 5, joules=0.0), 1000.0),
+    # The torso is 1 m high: farther than 2 m is no fall.
+    ("transport-economy", {}, at(0.38, 5, joules=10.0), 0.0),
+    ("transport-economy", {}, at(0.42, 5, joules=20.601), 10.0),
+    ("transport-economy", {}, at(0.18, 5, z=0.3, joules=10.0), 0.0),
+    ("transport-economy", {}, at(0.22, 5, z=0.3, joules=10.791), 10.0),
     ("target-reached", {"target": (4.0, 0.0), "radius": 1.0}, at(1.0, 2), 2 / 3),
     ("target-reached", {"target": (4.0, 0.0), "radius": 1.0}, at(1.0, 4), 1.25),
     ("target-reached", {"target": (-4.0, 0.0)}, at(1.0, 4), 0.0),

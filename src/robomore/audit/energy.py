@@ -7,7 +7,7 @@ from robomore.audit.subject import Subject
 from robomore.audit.variant import Variant
 from robomore.runs.words import in_unit, number
 from robomore.store.audit import Outcome, Verdict
-from robomore.types import GRAVITY
+from robomore.transport import GRAVITY
 
 MOST_CREATED = 0.05
 """Most energy from nowhere, as a fraction of what the motors do. Contacts and joint limits take

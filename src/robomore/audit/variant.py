@@ -13,7 +13,7 @@ from robomore.envs.measured_env import MeasuredEnv
 from robomore.envs.timestep import divide_timestep
 from robomore.tasks.task import Task
 from robomore.training.rollout import Policy
-from robomore.types import GRAVITY
+from robomore.transport import GRAVITY
 
 PUSH_EVERY_SECONDS = 2.0
 """A push begins so long after the one before."""

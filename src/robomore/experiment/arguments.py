@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import logging
 import os
+from dataclasses import replace
 from numbers import Integral
 from typing import get_args
 
 from robomore.errors import InputError
-from robomore.search import SearchMethod
+from robomore.search import SearchContext, SearchMethod
 from robomore.settings import Budget, Objective, RunSettings
 from robomore.tasks import Task
+
+log = logging.getLogger(__name__)
+
+_FAR = 1.25
+"""Factor between a budget and the size of a search from which on they differ much."""
 
 
 def ensure_usable(
@@ -92,4 +99,29 @@ def refuse_useless(
         raise InputError(
             f"a budget of {budget_steps} steps does not pay for one candidate of "
             f"{settings.candidate.steps}; give a larger --budget-steps, or smaller --steps"
+        )
+
+
+def warn_of_size(method: SearchMethod, context: SearchContext, budget_steps: int | None) -> None:
+    """Log a warning where a method that is sized by `evaluations` plans for another budget.
+
+    Such a method splits its trainings into stages or generations. One that the budget ends early is
+    not the method that its name says, and one that stops early leaves the rest unspent.
+    """
+    if budget_steps is None:
+        return
+    paid = max(1, budget_steps // context.candidate.steps)
+    own, fitting = (
+        sum(stage.steps for stage in method.plan(one).stages)
+        for one in (context, replace(context, evaluations=paid))
+    )
+    # The sizes of `robomore`, and evaluations among a method's own options, do not follow.
+    if own != fitting and not budget_steps / _FAR <= own <= budget_steps * _FAR:
+        log.warning(
+            "the budget of %d steps pays for %d full trainings, and the search is sized for %d: "
+            "give --evaluations %d beside --budget-steps",
+            budget_steps,
+            paid,
+            round(own / context.candidate.steps),
+            paid,
         )

@@ -20,10 +20,15 @@ _PROBES = 4
 """Random morphologies that tell how a robot's mass follows from its shape."""
 
 
-def limited(task: Task, settings: RunSettings) -> Task:
+def limited(task: Task, settings: RunSettings, *, draws: bool = False) -> Task:
     """Return `task` with the limits of `settings` as further rules, or as it is.
 
     Designers are told the rules, and methods draw within them.
+
+    Args:
+        task: of the run.
+        settings: of the run.
+        draws: whether morphologies are drawn around the reference, within the search ranges.
 
     Raises:
         InputError: no scale of the reference's radii keeps the limits.
@@ -47,10 +52,17 @@ def limited(task: Task, settings: RunSettings) -> Task:
     if not rules:
         return task
     searched = replace(task, rules=(*task.rules, *rules))
-    if start(searched) is None:
+    if start(searched, drawn_around=draws) is None:
+        ranges, remedy = "", "give larger ones"
+        if draws and start(searched) is not None:
+            ranges = " and the search ranges, within which morphologies are drawn"
+            remedy += (
+                ", or let a language model propose (--model, with a method that asks a designer), "
+                "which is held to the task's bounds alone"
+            )
         raise InputError(
-            f"no scale of the radii brings the reference design of {task.id} within these limits: "
-            f"{'; '.join(rule.text for rule in rules)}; give larger ones"
+            f"no scale of the radii brings the reference design of {task.id} within these limits"
+            f"{ranges}: {'; '.join(rule.text for rule in rules)}; {remedy}"
         )
     return searched
 

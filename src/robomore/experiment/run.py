@@ -25,12 +25,18 @@ from robomore.errors import (
 from robomore.evaluation.evaluator import Evaluator
 from robomore.events import Observer, RunBegan, both, ignore, one_at_a_time
 from robomore.executors import EXECUTORS, Executor, thread_map
-from robomore.experiment.arguments import ensure_settings, ensure_usable, refuse_useless
+from robomore.experiment.arguments import (
+    ensure_settings,
+    ensure_usable,
+    refuse_useless,
+    warn_of_size,
+)
 from robomore.experiment.auditing import doubt, no_doubt
 from robomore.experiment.containing import choose_containment
 from robomore.experiment.designing import ChosenDesigner, choose_designer
 from robomore.experiment.first_look import refuse_untrained
 from robomore.experiment.limits import limited, refusal
+from robomore.experiment.noting import note_budget, note_final
 from robomore.experiment.starting import Given, checked_starts, try_rewards
 from robomore.experiment.training_facts import training_facts
 from robomore.identity import content_key
@@ -39,13 +45,13 @@ from robomore.plan import Plan
 from robomore.report.page import render
 from robomore.runs import Run, load_run
 from robomore.sandbox.call import Containment
-from robomore.search import Final, SearchContext, SearchMethod, final, make_method
+from robomore.search import SearchContext, SearchMethod, final, make_method
 from robomore.search.budget import BudgetedEvaluate, BudgetSpent
 from robomore.search.final import stage as final_stage
 from robomore.search.measure import distinct
 from robomore.search.starts import usable
 from robomore.settings import RunSettings, preset
-from robomore.store import Ledger, Manifest, RunFolder, open_or_recover
+from robomore.store import Manifest, RunFolder, open_or_recover
 from robomore.store.champion import save_champion
 from robomore.tasks import Task, get_task
 from robomore.tasks.fingerprint import fingerprint
@@ -92,7 +98,7 @@ def run(
         out: the run's folder; by default `runs/TASK-SETTINGS-DESIGNER-sSEED`, with a
             digest of what it starts from, if anything.
         budget_steps: control steps of training that the search may use; the final comes on top.
-            The same call with a larger budget goes on.
+            The same call with a larger budget goes on; one below what was spent is refused.
         time_limit: wall-clock seconds after which nothing new is started. The run then ends with
             the best so far, and the same call goes on.
         containment: `strict` refuses to start where the operating system lacks a layer that keeps
@@ -129,7 +135,8 @@ def run(
     ensure_tuned(settings.trainer, task, min(settings.candidate.steps, settings.final.steps))
     refuse_useless(task, settings, method, designer, budget_steps)
     # Search and designer know the limits as rules; a worker knows the task as it is.
-    searched = limited(task, settings)
+    draws = "morphology" in getattr(method, "starts_from", ()) and designer in (None, "offline")
+    searched = limited(task, settings, draws=draws)
     starts = checked_starts(searched, start_from)
     # A reward that comes from elsewhere is untrusted, whoever proposes it.
     given = [(one.origin, one.reward.source) for one in starts if one.reward]
@@ -162,12 +169,17 @@ def run(
             "language model (--model)"
         )
     first_morphologies, first_rewards = usable(
-        starts, getattr(method, "starts_from", ()), method.plan(context), settings.method.name
+        starts,
+        getattr(method, "starts_from", ()),
+        method.plan(context),
+        settings.method.name,
+        getattr(method, "reference_first", True),
     )
     if not method.needs_designer:
         context = replace(context, starts=first_morphologies)
     plan = Plan((*method.plan(context).stages, final_stage(settings.final)))
     refuse_untrained(task, settings, plan)
+    warn_of_size(method, context, budget_steps)
     manifest = Manifest(
         task=task.id,
         task_parts=fingerprint(task),
@@ -204,6 +216,7 @@ def run(
         if content:
             folder.files.write(folder.task.name, content)
         ledger = stack.enter_context(closing(open_or_recover(folder.ledger)))
+        note_budget(ledger, plan, budget_steps, out)
         if mode is Containment.RELAXED:
             ledger.add_event("containment", layers=layers)
         doing = stack.enter_context(make_executor())
@@ -258,7 +271,7 @@ def run(
             )
             evaluator.restore_policies(outcome.champion)
             save_champion(folder, task, outcome.champion, settings.objective)
-            _note_final(ledger, outcome)
+            note_final(ledger, outcome)
         except KeyboardInterrupt:
             ledger.add_event("interrupted")
             raise Interrupted(
@@ -300,7 +313,8 @@ def _search(
     context: SearchContext,
     budget_steps: int | None,
 ) -> list[Evaluation]:
-    """Return the method's designs, best first, or the best so far when its budget is spent.
+    """Return the method's designs, best first, and then what else it trained to the end; what was
+    trained, best first, when its budget is spent.
 
     Raises:
         NothingTrained: there is none.
@@ -309,6 +323,9 @@ def _search(
     evaluate = BudgetedEvaluate(measure, context.candidate, budget_steps)
     try:
         best = method.run(designer, evaluate, context)
+        if best:
+            # `robomore` ends with one design a branch, and the final may be asked for more.
+            best = [*best, *evaluate.best(context.objective)]
     except BudgetSpent:
         best = evaluate.best(context.objective)
     except NothingTrained:
@@ -320,19 +337,6 @@ def _search(
         why = next((f"; for example: {e.diagnosis}" for e in evaluator.ledger.evaluations()), "")
         raise NothingTrained(f"the search trained no design that can be compared{why}")
     return best
-
-
-def _note_final(ledger: Ledger, outcome: Final) -> None:
-    """Write down who is champion, and the groups of the final by their role."""
-    groups = {
-        name: [evaluation.key for evaluation in getattr(outcome, name)]
-        for name in ("champion", "found", "reference", "morphology_only", "reward_only")
-    }
-    passed_over = [
-        {"keys": [evaluation.key for evaluation in group], "reason": reason}
-        for group, reason in outcome.passed_over
-    ]
-    ledger.add_event("finished", **groups, **({"passed_over": passed_over} if passed_over else {}))
 
 
 def _no_designer(method: SearchMethod) -> ChosenDesigner:

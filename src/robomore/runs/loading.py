@@ -24,8 +24,8 @@ from robomore.tasks import Task
 from robomore.tasks.fingerprint import fingerprint
 from robomore.tasks.portable import MOST_CONTENT, task_from_content
 from robomore.tasks.registry import known_task, refuse_taken
-from robomore.text import one_line
-from robomore.types import Place
+from robomore.text import one_line, to_json
+from robomore.types import Evaluation, Place
 
 ROLES = ("champion", "reference", "found", "morphology_only", "reward_only")
 """Groups of the final, as a run's last event names them."""
@@ -51,12 +51,17 @@ def load_run(folder: str | Path) -> Run:
         untried = {cut.place: cut.reason for cut in ledger.cuts() if not cut.steps}
         proposals = tuple(ledger.proposals())
         events = ledger.events()
-    ends = [event for event in events if event.kind == "finished"]
+    # A final is no last word once its search goes on with another budget.
+    since = max((n for n, event in enumerate(events) if event.kind == "budget"), default=0)
+    ends = [event for event in events[since:] if event.kind == "finished"]
     relaxed = [event.body.get("layers") for event in events if event.kind == "containment"]
     with closing(LedgerExchanges(files.ledger, read_only=True)) as exchanges:
         spending = exchanges.spent()
     plan = manifest.plan
     _refuse_misfits(path, plan, [*(place for place, _ in placed), *untried])
+    placed, measured = _without_earlier_finals(
+        plan, placed, measured, ends[-1].body if ends else {}
+    )
     records = tuple(
         # A resumed run asks again from the start, so the ledger's own order may be half old.
         sorted((Record(*pair) for pair in placed), key=lambda record: plan.position(record.place))
@@ -124,6 +129,32 @@ def stored_task(files: PlainFolder, id: str) -> Task:
         refuse_taken(task)
         return task
     return known_task(id)
+
+
+def _without_earlier_finals(
+    plan: Plan,
+    placed: Sequence[tuple[Place, Evaluation]],
+    measured: tuple[Evaluation, ...],
+    finished: dict[str, Any],
+) -> tuple[list[tuple[Place, Evaluation]], tuple[Evaluation, ...]]:
+    """Leave out what the final of a smaller budget asked for, and the last final did not.
+
+    It stays in the ledger, but two finals in one table would be read as one.
+    """
+    places = finished.get("places")
+    if not isinstance(places, list):  # of a run from before finals named them
+        return list(placed), measured
+    last = {str(place): number for number, place in enumerate(places)}
+    search, final = [], []
+    for place, evaluation in placed:
+        if plan.stage(place.stage).role != "final":
+            search.append((place, evaluation))
+        elif (number := last.get(to_json(place).decode())) is not None:
+            final.append((number, place, evaluation))
+    final.sort(key=lambda one: one[0])  # what an earlier final asked for, too, is older
+    kept = [*search, *((place, evaluation) for _, place, evaluation in final)]
+    gone = {one.key for _, one in placed} - {one.key for _, one in kept}
+    return kept, tuple(one for one in measured if one.key not in gone)
 
 
 def _groups(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from statistics import fmean
 from typing import TYPE_CHECKING
 
 from robomore.runs.words import number
@@ -13,17 +15,14 @@ if TYPE_CHECKING:
 
 
 def pareto_set(run: Run) -> tuple[Evaluation, ...]:
-    """Return the evaluations of the search that no other beats: more fitness, less volume and less
+    """Return the designs of the search that no other beats: more fitness, less volume and less
     energy are better. The one with the most fitness comes first.
 
-    They were measured once each and chosen among many, so their fitness is partly luck.
+    A design that was trained with several seeds counts once, by their mean, and its first
+    evaluation stands for it. Most were measured once and chosen among many, so their fitness is
+    partly luck.
     """
-    found = list(
-        {r.evaluation.key: r.evaluation for r in run.searched if _known(r.evaluation)}.values()
-    )
-    kept = nondominated([_gains(one) for one in found])
-    best = [one for one, stays in zip(found, kept, strict=True) if stays]
-    return tuple(sorted(best, key=lambda one: -(one.fitness or 0.0)))
+    return tuple(first for first, _ in _unbeaten(run))
 
 
 def covered(run: Run) -> float | None:
@@ -33,23 +32,23 @@ def covered(run: Run) -> float | None:
     sides of its box are its fitness over the reference's, and the fractions of the reference's
     volume and energy that it saves. So 1 is the fitness of the reference for nothing at all.
 
+    The designs had the search's training and mostly one seed, the reference that of the final,
+    which can be longer, and the mean of its seeds. So it compares runs of one preset on one task,
+    and tells no gain over the reference.
+
     Returns:
         `None` before the final, and where the reference got nowhere or has no energy.
     """
     reference = [e for e in run.reference.trained if _known(e)] if run.reference else []
     if not reference:
         return None
-    fitness, volume, energy = (
-        sum(column) / len(reference)
-        for column in zip(*((e.fitness, e.volume, e.energy) for e in reference), strict=True)
-    )
+    fitness, volume, energy = _means(reference)
     if fitness <= 0 or energy <= 0:
         return None
     return hypervolume(
         [
-            (one.fitness / fitness, 1 - one.volume / volume, 1 - one.energy / energy)
-            for one in pareto_set(run)
-            if one.fitness is not None and one.volume is not None and one.energy is not None
+            (gained / fitness, 1 - needed / volume, 1 - spent / energy)
+            for _, (gained, needed, spent) in _unbeaten(run)
         ]
     )
 
@@ -72,10 +71,27 @@ def in_words(run: Run) -> str:
     )
 
 
+def _unbeaten(run: Run) -> list[tuple[Evaluation, tuple[float, float, float]]]:
+    """Return the Pareto set: of each design the first evaluation, and its means."""
+    seeds: dict[object, dict[str, Evaluation]] = {}
+    for record in run.searched:
+        if _known(record.evaluation):
+            design = record.evaluation.design
+            content = design.morphology.parameters, design.reward.source
+            seeds.setdefault(content, {})[record.evaluation.key] = record.evaluation
+    found = [(next(iter(one.values())), _means(one.values())) for one in seeds.values()]
+    kept = nondominated([(fitness, -volume, -energy) for _, (fitness, volume, energy) in found])
+    best = [one for one, stays in zip(found, kept, strict=True) if stays]
+    return sorted(best, key=lambda one: -one[1][0])
+
+
+def _means(evaluations: Iterable[Evaluation]) -> tuple[float, float, float]:
+    """Return the means of fitness, volume and energy over seeds of one design."""
+    rows = [(e.fitness or 0.0, e.volume or 0.0, e.energy or 0.0) for e in evaluations]
+    fitness, volume, energy = (fmean(column) for column in zip(*rows, strict=True))
+    return fitness, volume, energy
+
+
 def _known(evaluation: Evaluation) -> bool:
     numbers = (evaluation.fitness, evaluation.volume, evaluation.energy)
     return evaluation.ok and None not in numbers
-
-
-def _gains(evaluation: Evaluation) -> tuple[float, float, float]:
-    return evaluation.fitness or 0.0, -(evaluation.volume or 0.0), -(evaluation.energy or 0.0)

@@ -141,10 +141,12 @@ def _about_limits(run: Run) -> list[str]:
         beyond.append(f"density ({number(density)} kg/m³)")
     if not beyond:
         return []
-    return [
-        f"The reference design is beyond this run's limit of {' and '.join(beyond)}: it is shown "
-        "to compare with, and could not be champion."
-    ]
+    seat = (
+        "it is champion all the same, since no other design of the final could be"
+        if run.champion_role == "reference"
+        else "it is shown to compare with, and could not be champion"
+    )
+    return [f"The reference design is beyond this run's limit of {' and '.join(beyond)}: {seat}."]
 
 
 def _about_audits(run: Run) -> list[str]:

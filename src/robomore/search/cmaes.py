@@ -17,6 +17,7 @@ from robomore.search.method import SearchContext
 from robomore.search.population import (
     Array,
     Candidate,
+    accepted,
     generations,
     given_candidate,
     start_candidate,
@@ -63,6 +64,7 @@ class CMAES:
     summary: ClassVar[str] = "CMA-ES over the task's bounds, under the reference reward"
     needs_designer: ClassVar[bool] = False
     starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
+    reference_first: ClassVar[bool] = False
     provenance: ClassVar[str] = (
         "No LLM was used: morphologies were sampled by CMA-ES, starting at the reference design."
     )
@@ -138,7 +140,11 @@ class CMAES:
 def _asked(
     sampler: cmaes.CMA, space: UnitSpace, anchor: tuple[float, ...]
 ) -> tuple[Array, tuple[float, ...]]:
-    """Return a point of the sampler, and the valid values that are trained for it."""
+    """Return a point of the sampler, and the valid values that are trained for it.
+
+    Where no sample is valid, the point is where the values lie: the sampler learns from what was
+    trained, and does not walk on into what the task refuses.
+    """
     asked: list[Array] = []
 
     def draw() -> Array:
@@ -146,6 +152,8 @@ def _asked(
         return asked[-1]
 
     values = valid_point(space, draw, anchor)
+    if accepted(space, asked[-1]) is None:
+        return space.units([values])[0], values
     return asked[-1], values
 
 

@@ -61,7 +61,7 @@ class Eureka:
         """Return the trained designs, best first.
 
         Raises:
-            NothingTrained: no reward was proposed in the first round, or none trained.
+            NothingTrained: no reward was proposed in the first round, or none trained in any.
         """
 
         morphology = kept_morphology(context)
@@ -72,10 +72,9 @@ class Eureka:
         def first(slot: Slot) -> Reward:
             return designer.propose_reward(slot, ())
 
-        found = iterated(
+        return iterated(
             self.settings, "reward", first, designer.improve_reward, designed, evaluate, context
         )
-        return ranked(found, context.objective)
 
 
 def planned(settings: EurekaSettings, kind: Kind, context: SearchContext) -> Plan:
@@ -106,7 +105,7 @@ def iterated(
     evaluate: Evaluate,
     context: SearchContext,
 ) -> list[Evaluation]:
-    """Return the evaluations of all rounds (Ma et al. 2024, Alg. 1).
+    """Return the trained designs of all rounds, best first (Ma et al. 2024, Alg. 1).
 
     Args:
         settings: rounds and samples.
@@ -118,15 +117,18 @@ def iterated(
         context: of the search.
 
     Raises:
-        NothingTrained: nothing was proposed in the first round, or nothing of it trained, so that
-            there is nothing to reflect on.
+        NothingTrained: nothing was proposed in the first round, or nothing trained in any.
     """
+    samples = sample_count(settings, context)
     found: list[Evaluation] = []
     best: Evaluation | None = None
     for number in range(settings.iterations):
+        # While nothing has trained, there is nothing to reflect on: the first round goes on.
         slots = [
-            Slot(STAGE, kind, (number, n), improves=best is not None)
-            for n in range(sample_count(settings, context))
+            Slot(STAGE, kind, (number, n), improves=True)
+            if best
+            else Slot(STAGE, kind, (0, number * samples + n))
+            for n in range(samples)
         ]
         # As in Eureka, a round knows the best of the round before, and nothing else.
         asks = [
@@ -151,11 +153,8 @@ def iterated(
         designs = map(designed, proposals.values())
         measured = evaluate([Trial(*one) for one in zip(designs, places, strict=True)])
         found += measured
-        if best is None:
-            best, *_ = top(measured, 1.0, context.objective)
-        else:
-            best = next(iter(ranked(measured, context.objective)), best)
-    return found
+        best = next(iter(ranked(measured, context.objective)), best)
+    return top(found, 1.0, context.objective)
 
 
 def sample_count(settings: EurekaSettings, context: SearchContext) -> int:

@@ -7,7 +7,7 @@ from typing import ClassVar
 from robomore.designers.designer import Designer
 from robomore.plan import Plan
 from robomore.search.eureka import EurekaSettings, iterated, planned
-from robomore.search.measure import Evaluate, ranked
+from robomore.search.measure import Evaluate
 from robomore.search.method import SearchContext
 from robomore.search.starts import Kind
 from robomore.types import Design, Evaluation, Morphology, Slot
@@ -35,7 +35,7 @@ class EurekaMorphology:
         """Return the trained designs, best first.
 
         Raises:
-            NothingTrained: no morphology was proposed in the first round, or none trained.
+            NothingTrained: no morphology was proposed in the first round, or none trained in any.
         """
 
         def designed(morphology: Morphology) -> Design:
@@ -44,7 +44,7 @@ class EurekaMorphology:
         def first(slot: Slot) -> Morphology:
             return designer.propose_morphology(slot, ())
 
-        found = iterated(
+        return iterated(
             self.settings,
             "morphology",
             first,
@@ -53,4 +53,3 @@ class EurekaMorphology:
             evaluate,
             context,
         )
-        return ranked(found, context.objective)

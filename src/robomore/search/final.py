@@ -40,6 +40,7 @@ class Final:
         reference: the reference design.
         morphology_only: the found morphology under the reference reward.
         reward_only: the reference morphology under the found reward.
+        places: all that were asked for, those of other finalists among them.
     """
 
     champion: Group
@@ -47,6 +48,7 @@ class Final:
     reference: Group
     morphology_only: Group
     reward_only: Group
+    places: tuple[Place, ...]
     passed_over: tuple[tuple[Group, str], ...] = ()
     """Groups that would have had the seat of `champion` or `found`, and what is said against."""
 
@@ -132,16 +134,16 @@ def final(
     asked += trials(REFERENCE, reference)
     if len(finalists) == 1:
         # Nobody has to be waited for, so that the workers are kept busy.
-        *groups, with_reference, morphology_only, reward_only = _by_design(
-            evaluate([*asked, *crossed(finalists[0])]), seeds
-        )
+        asked += crossed(finalists[0])
+        *groups, with_reference, morphology_only, reward_only = _by_design(evaluate(asked), seeds)
         found = groups[0]
     else:
         *groups, with_reference = _by_design(evaluate(asked), seeds)
         best_group = max(groups, key=lambda group: standing(group, objective))
         found = first_sound(groups) or best_group
-        best = finalists[groups.index(found)]
-        morphology_only, reward_only = _by_design(evaluate(crossed(best)), seeds)
+        pairs = crossed(finalists[groups.index(found)])
+        morphology_only, reward_only = _by_design(evaluate(pairs), seeds)
+        asked += pairs
     groups = [found, morphology_only, reward_only, with_reference]
     allowed = [group for group in groups if eligible(group[0].design.morphology)]
     return Final(
@@ -151,6 +153,7 @@ def final(
         reference=with_reference,
         morphology_only=morphology_only,
         reward_only=reward_only,
+        places=tuple(trial.place for trial in asked),
         passed_over=tuple(passed_over),
     )
 

@@ -36,19 +36,27 @@ class Given:
         self.settings = settings
 
     def plan(self, context: SearchContext) -> Plan:
-        """Return one stage of one evaluation."""
+        """Return one stage of one evaluation.
+
+        Raises:
+            InvalidMorphology: the task refuses the parameters.
+        """
+        self._design(context)  # refused before anything runs, and not as a failure of training
         return Plan((Stage(name=STAGE, evaluations=1, steps=context.candidate.steps),))
 
     def run(
         self, designer: Designer, evaluate: Evaluate, context: SearchContext
     ) -> list[Evaluation]:
         """Return the given design's evaluation; `designer` is not asked."""
+        trial = Trial(self._design(context), Place(stage=STAGE))
+        return ranked(evaluate([trial]), context.objective)
+
+    def _design(self, context: SearchContext) -> Design:
+        """Return what was given, and the reference's in place of what was not."""
         given, reference = self.settings, context.reference
         morphology, reward = reference.morphology, reference.reward
         if given.parameters is not None:
-            # Refused before anything runs, and not as a failure of training.
             morphology = Morphology(context.task.check(given.parameters), "given")
         if given.reward is not None:
             reward = Reward(given.reward, "given")
-        trial = Trial(Design(morphology, reward), Place(stage=STAGE))
-        return ranked(evaluate([trial]), context.objective)
+        return Design(morphology, reward)

@@ -16,6 +16,7 @@ import msgspec
 import numpy as np
 
 from robomore.designers.designer import Designer
+from robomore.errors import InputError
 from robomore.identity import derive_seed
 from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, improves, ranked
@@ -72,7 +73,14 @@ class MapElitesSettings:
 
 
 class MapElites:
-    """A grid archive over gaits, filled by changes of its elites, under the reference reward."""
+    """A grid archive over gaits, filled by changes of its elites, under the reference reward.
+
+    Args:
+        settings: how much is trained, and what the cells are.
+
+    Raises:
+        InputError: both measures are the same one.
+    """
 
     Settings = MapElitesSettings
     summary: ClassVar[str] = "MAP-Elites: the best morphology for each gait, reference reward"
@@ -84,6 +92,13 @@ class MapElites:
     )
 
     def __init__(self, settings: MapElitesSettings) -> None:
+        first, second = settings.descriptors
+        if first == second:
+            others = ", ".join(name for name in RANGES if name != first)
+            raise InputError(
+                f"descriptors = {list(settings.descriptors)} is one measure twice, and no grid; "
+                f"choose another one beside it: {others}"
+            )
         self.settings = settings
 
     def plan(self, context: SearchContext) -> Plan:

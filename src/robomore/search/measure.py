@@ -17,8 +17,11 @@ class Evaluate(Protocol):
     def __call__(
         self, trials: Sequence[Trial], *, budget_fraction: float = 1.0
     ) -> list[Evaluation]:
-        """Return evaluations after a fraction of the full training; asked for more of it later, a
-        training goes on from where it was."""
+        """Return evaluations after a fraction of the full training.
+
+        Asked for more of it in the next batch, a training goes on from where it was. Asked later,
+        it begins anew: the numbers are the same, but a budget counts what is new alone.
+        """
         ...
 
 

@@ -73,8 +73,9 @@ class SearchMethod(Protocol):
         provenance: one sentence on where its designs come from; empty where the designer says it.
 
     A method that can start from given designs says so with `starts_from`, a tuple of `morphology`
-    and `reward`. One without it takes none. A method that tries designs which its designer did not
-    propose says so with `adds`, a sentence.
+    and `reward`. One without it takes none. Without a designer it is taken to train the reference
+    before them, unless `reference_first` is false. A method that tries designs which its designer
+    did not propose says so with `adds`, a sentence.
     """
 
     Settings: ClassVar[type[Any]]

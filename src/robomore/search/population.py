@@ -63,6 +63,11 @@ def valid_point(
         point = draw()
         if (found := accepted(space, point)) is not None:
             return found
+    return pulled(space, point, anchor)
+
+
+def pulled(space: UnitSpace, point: Array, anchor: Sequence[float]) -> tuple[float, ...]:
+    """Return the values nearest to `point` (size,) on the way to `anchor` that the task accepts."""
     start = space.units([anchor])[0]
     low, high, best = 0.0, 1.0, tuple(anchor)
     for _ in range(_HALVINGS):
@@ -83,23 +88,32 @@ def accepted(space: UnitSpace, point: Array) -> tuple[float, ...] | None:
         return None
 
 
-def start(task: Task) -> tuple[float, ...] | None:
+def start(task: Task, *, drawn_around: bool = False) -> tuple[float, ...] | None:
     """Return the reference, or the reference at the nearest scale of its radii that is valid.
 
-    A run's limits may refuse the reference itself. `None` where they refuse every scale.
+    A run's limits may refuse the reference itself. Scales within the search ranges go before those
+    within the task's own bounds.
+
+    Args:
+        task: with a run's limits among its rules.
+        drawn_around: whether morphologies are drawn around it, which takes the search ranges.
+
+    Returns:
+        `None` where they refuse every scale.
     """
     try:
         return task.check(task.reference)
     except InvalidMorphology:
         pass
-    radii, task = UnitSpace(task).radii, task.searched()
-    reference = np.array(task.reference)
-    for scale in sorted(np.geomspace(1e-2, 1e2, _SCALES), key=lambda one: abs(math.log(one))):
-        values = np.where(radii, np.round(scale * reference, DECIMALS), reference)
-        try:
-            return task.check(values.tolist())
-        except InvalidMorphology:
-            continue
+    radii, reference = UnitSpace(task).radii, np.array(task.reference)
+    scales = sorted(np.geomspace(1e-2, 1e2, _SCALES), key=lambda one: abs(math.log(one)))
+    for bounded in (task.searched(),) if drawn_around else (task.searched(), task):
+        for scale in scales:
+            values = np.where(radii, np.round(scale * reference, DECIMALS), reference)
+            try:
+                return bounded.check(values.tolist())
+            except InvalidMorphology:
+                continue
     return None
 
 

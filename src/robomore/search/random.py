@@ -14,13 +14,14 @@ from robomore.identity import derive_seed
 from robomore.plan import Plan, Stage
 from robomore.search.measure import Evaluate, ranked
 from robomore.search.method import SearchContext
-from robomore.search.population import start
+from robomore.search.population import pulled, start
 from robomore.search.starts import Kind
 from robomore.tasks.task import Task
+from robomore.tasks.unit_space import UnitSpace
 from robomore.types import Design, Evaluation, Morphology, Place, Trial
 
 DRAWS = 2000
-"""Draws before giving up on a valid morphology."""
+"""Draws before one is pulled towards a valid morphology."""
 
 LEAST_SHARE = 0.1
 """A parameter whose reference value is near 0 varies as if it were this fraction of its range."""
@@ -48,6 +49,7 @@ class RandomSearch:
     summary: ClassVar[str] = "morphologies drawn around the reference, under the reference reward"
     needs_designer: ClassVar[bool] = False
     starts_from: ClassVar[tuple[Kind, ...]] = ("morphology",)
+    reference_first: ClassVar[bool] = False
     provenance: ClassVar[str] = (
         "No LLM was used: morphologies were drawn at random around the reference design."
     )
@@ -69,7 +71,7 @@ class RandomSearch:
         """Return the trained samples, best first; `designer` is not asked.
 
         Raises:
-            NothingTrained: no draw passed the task's rules, or no sample could be trained.
+            NothingTrained: there is nothing valid to draw around.
         """
         trials = []
         for n in range(self._count(context)):
@@ -90,7 +92,8 @@ def drawn(task: Task, seed: int, deviation: float) -> Morphology:
     """Return a valid morphology from a Gaussian around the task's reference, cut at its search
     ranges.
 
-    Where a run's limits refuse the reference, its radii are scaled into them first.
+    Where a run's limits refuse the reference, its radii are scaled into them first. If no draw of
+    many passes the rules, the last one is pulled towards that until it does.
 
     Args:
         task: whose parameters these are.
@@ -98,11 +101,17 @@ def drawn(task: Task, seed: int, deviation: float) -> Morphology:
         deviation: standard deviation, as a fraction of each reference value.
 
     Raises:
-        NothingTrained: none of many draws passed the task's rules.
+        NothingTrained: there is nothing valid to draw around.
     """
     random = np.random.default_rng(seed)
     task = task.searched()
-    mean = np.array(start(task) or task.reference)
+    anchor = start(task)
+    if anchor is None:
+        raise NothingTrained(
+            f"{task.id}: neither the reference nor any scale of its radii is valid, so there is "
+            "nothing to draw around; give larger limits"
+        )
+    mean = np.array(anchor)
     low = np.array([parameter.low for parameter in task.parameters])
     high = np.array([parameter.high for parameter in task.parameters])
     whole = np.array([parameter.whole for parameter in task.parameters])
@@ -114,7 +123,6 @@ def drawn(task: Task, seed: int, deviation: float) -> Morphology:
             return Morphology(task.check(values.tolist()), "drawn around the reference")
         except InvalidMorphology:
             continue
-    raise NothingTrained(
-        f"{task.id}: none of {DRAWS} morphologies drawn around the reference is valid; "
-        "choose a smaller --method-option deviation"
-    )
+    space = UnitSpace(task)
+    found = pulled(space, space.units(values[None])[0], anchor)
+    return Morphology(found, "drawn around the reference, and pulled towards it")

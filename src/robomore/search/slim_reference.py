@@ -28,6 +28,8 @@ _TRIED = 200
 """Scales between the thinnest one within the bounds and 1, of which the first valid one is the
 thinnest that is used."""
 
+_REMEDY = "leave --method-option thinnest out, or choose another --method"
+
 
 @dataclass(frozen=True, slots=True)
 class SlimReferenceSettings:
@@ -37,8 +39,8 @@ class SlimReferenceSettings:
     """How many scales are tried, from the thinnest up. Each is thicker than the one before by the
     same factor; the next one after the thickest would be the reference itself."""
     thinnest: Annotated[float, msgspec.Meta(gt=0, lt=1)] | None = None
-    """The smallest scale of the radii; by default the smallest that the task's bounds and rules
-    allow."""
+    """The smallest scale of the radii, within the task's own bounds and rules; by default the
+    smallest that its search ranges and search rules allow, to which methods that draw keep."""
 
 
 class SlimReference:
@@ -85,45 +87,68 @@ def thinnest(task: Task) -> Morphology:
     try:
         return slim(task, SlimReferenceSettings())[0]
     except InputError:
-        begin = start(task) or task.reference
-        return Morphology(begin, "the reference, whose radii cannot be scaled down")
+        begin = start(task)
+    if begin is None or begin == task.reference:
+        return Morphology(task.reference, "the reference, whose radii cannot be scaled down")
+    return Morphology(begin, "the reference with its radii scaled into the run's limits")
 
 
 def slim(task: Task, settings: SlimReferenceSettings) -> list[Morphology]:
     """Return the reference morphology at each scale of its radii, the thinnest first.
 
+    Scales beyond a run's limits are left out.
+
     Raises:
-        InputError: no parameter sets a radius, or the wanted scales break bounds or rules.
+        InputError: no parameter sets a radius, or the wanted scales break bounds, rules or limits.
     """
-    radii, task = UnitSpace(task).radii, task.searched()
-    reference = np.array(task.reference)
-    low = np.array([parameter.low for parameter in task.parameters])
+    radii, reference = UnitSpace(task).radii, np.array(task.reference)
+    within = "bounds and rules"
+    if settings.thinnest is None:
+        task, within = task.searched(), "search ranges and search rules"
     if not radii.any():
         raise InputError(
             f"no parameter of {task.id} sets a radius, so slim-reference has nothing to scale; "
             "choose another --method"
         )
 
-    def scaled(scale: float) -> tuple[float, ...] | None:
-        values = np.where(radii, np.round(scale * reference, DECIMALS), reference)
+    def at(scale: float) -> list[float]:
+        scaled: list[float] = np.where(
+            radii, np.round(scale * reference, DECIMALS), reference
+        ).tolist()
+        return scaled
+
+    def valid(scale: float) -> tuple[float, ...] | None:
         try:
-            return task.check(values.tolist())
+            return task.check(at(scale))
         except InvalidMorphology:
             return None
 
     # Rounding must not push the thinnest radius below its bound.
-    within = float((low[radii] / reference[radii]).max()) + 10.0**-DECIMALS
-    tried = np.geomspace(min(within, 1.0), 1.0, _TRIED).tolist()
-    least = next((scale for scale in tried if scaled(scale)), 1.0)
+    low = np.array([parameter.low for parameter in task.parameters])
+    bound = float((low[radii] / reference[radii]).max()) + 10.0**-DECIMALS
+    tried = np.geomspace(min(bound, 1.0), 1.0, _TRIED).tolist()
+    least = next((scale for scale in tried if valid(scale)), 1.0)
     thinnest = settings.thinnest or least
-    if not least <= thinnest < 1:
+    if thinnest >= 1:
         raise InputError(
-            f"the radii of {task.id} cannot be scaled by {thinnest:.4g}: its bounds and rules "
-            f"allow {least:.4g} at the least; leave --method-option thinnest out, or choose "
-            "another --method"
+            f"no radii of {task.id} thinner than the reference's are within its {within} and this "
+            "run's limits; choose another --method"
+        )
+    if thinnest < least and not valid(thinnest):
+        raise InputError(
+            f"the radii of {task.id} cannot be scaled by {thinnest:.4g}: its {within} allow "
+            f"{least:.4g} at the least; {_REMEDY}"
         )
     scales = [thinnest ** (1 - n / settings.values) for n in range(settings.values)]
-    found = {values: scale for scale in scales if (values := scaled(scale))}
+    found = {values: scale for scale in scales if (values := valid(scale))}
+    if not found:
+        try:
+            task.check(at(thinnest))
+        except InvalidMorphology as error:
+            raise InputError(
+                f"none of the {settings.values} scales from {thinnest:.4g} up is valid ({error}); "
+                f"{_REMEDY}"
+            ) from None
     return [
         Morphology(values, f"the reference with all radii scaled by {scale:.3g}")
         for values, scale in found.items()

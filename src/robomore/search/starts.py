@@ -17,7 +17,11 @@ Kind = Literal["morphology", "reward"]
 
 
 def usable(
-    starts: Sequence[Start], kinds: Sequence[Kind], plan: Plan, method: str
+    starts: Sequence[Start],
+    kinds: Sequence[Kind],
+    plan: Plan,
+    method: str,
+    reference_first: bool = True,
 ) -> tuple[tuple[Morphology, ...], tuple[Reward, ...]]:
     """Return the morphologies and rewards of `starts` that a method takes, each of them once.
 
@@ -26,6 +30,7 @@ def usable(
         kinds: what the method can start from.
         plan: of the method, which says how many first proposals it asks for.
         method: its name, for messages.
+        reference_first: whether a method without a designer trains the reference before them.
 
     Raises:
         InputError: the method can use none of a start, or has fewer places than there are starts.
@@ -49,7 +54,7 @@ def usable(
         if start.reward and "reward" in kinds:
             rewards.setdefault(start.reward.source, start.reward)
     for kind, count in (("morphology", len(morphologies)), ("reward", len(rewards))):
-        places = _places(plan, kind)
+        places = _places(plan, kind, reference_first)
         if count > places:
             raise InputError(
                 f"{count} starts have a {kind}, and this search tries {places} first ones; "
@@ -58,7 +63,7 @@ def usable(
     return tuple(morphologies.values()), tuple(rewards.values())
 
 
-def _places(plan: Plan, kind: str) -> int:
+def _places(plan: Plan, kind: str, reference_first: bool) -> int:
     """Return how many first proposals of a kind a plan has; without a designer, its evaluations."""
     proposed = [
         count
@@ -68,4 +73,4 @@ def _places(plan: Plan, kind: str) -> int:
     ]
     if any(stage.proposals for stage in plan.stages):
         return sum(proposed)
-    return sum(stage.evaluations for stage in plan.stages) - 1
+    return sum(stage.evaluations for stage in plan.stages) - reference_first

@@ -14,11 +14,7 @@ from typing import Any, Literal
 from robomore.registry import Registry
 from robomore.tasks.measure_options import OptionCheck, number, part, path, target
 from robomore.tasks.trajectory import Trajectory
-from robomore.types import GRAVITY, LEAST_TRANSPORT
-
-CHEAPEST = 0.001
-"""Least cost of transport that is counted. No machine with legs comes near it, but a robot that is
-thrown forward by a fault of the simulation spends almost nothing."""
+from robomore.transport import GRAVITY, cost_of_transport
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,16 +75,19 @@ def speed_kept(trajectory: Trajectory, speed: float) -> float:
 
 
 def distance_per_energy(trajectory: Trajectory) -> float:
-    """Distance over the energy of the motors, in m/J; 0 for less than 1 m."""
+    """Distance over the energy of the motors, in m/J; 0 where the economy is."""
     return transport_economy(trajectory) / (trajectory.mass * GRAVITY)
 
 
 def transport_economy(trajectory: Trajectory) -> float:
-    """1 / cost of transport: mass * 9.81 m/s² * distance / energy; 0 for less than 1 m."""
-    if trajectory.distance < LEAST_TRANSPORT:
-        return 0.0
-    work = trajectory.mass * GRAVITY * trajectory.distance
-    return work / max(trajectory.total_energy, CHEAPEST * work)
+    """1 / cost of transport: mass * 9.81 m/s² * distance / energy.
+
+    0 for less than 1 m, and for less than twice the height of the torso at the start, which a robot
+    that only falls over forward can get.
+    """
+    height = float(trajectory.position[0, 2])
+    cost = cost_of_transport(trajectory.distance, trajectory.total_energy, trajectory.mass, height)
+    return 0.0 if cost is None else 1 / cost
 
 
 def target_reached(
@@ -185,13 +184,14 @@ BUILT_IN: dict[str, FitnessMeasure] = {
     ),
     "distance-per-energy": FitnessMeasure(
         "how far the torso gets in the direction of +x for each joule of mechanical energy of the "
-        "motors, and 0 for less than 1 m",
+        "motors, and 0 for less than 1 m or less than twice the height of the torso at the start",
         "m/J",
         distance_per_energy,
     ),
     "transport-economy": FitnessMeasure(
         "1 / cost of transport: mass * 9.81 m/s² * distance in the direction of +x / mechanical "
-        "energy of the motors, and 0 for less than 1 m",
+        "energy of the motors, and 0 for less than 1 m or less than twice the height of the torso "
+        "at the start",
         "",
         transport_economy,
     ),

@@ -45,12 +45,14 @@ OBJECTIVES = {
         "The score is the transport economy: mass * 9.81 m/s² * forward "
         "distance / energy. It has no unit. The energy is the absolute power of the motors, summed "
         "over all of them and over an episode, in J; braking costs as much as driving. Less than "
-        "1 m of distance scores 0. Make the transport economy as high as you can.",
+        "1 m of distance, or less than twice the height of the torso at rest, scores 0: a fall "
+        "gives that for nothing. Make the transport economy as high as you can.",
         "The volume does not enter the score. Mass counts on both sides: it is what is "
         "transported, and moving it takes energy. So choose sizes with which the robot gets far "
         "for each joule that it spends for its weight.",
         "A reward does not change the mass, so what your reward has to bring about is that the "
-        "trained robot gets far with little energy, and farther than 1 m in any case.",
+        "trained robot gets far with little energy, and in any case farther than 1 m and than "
+        "twice the height of its torso.",
     ),
 }
 """By the objective of a run (`robomore.settings.Objective`)."""

@@ -31,12 +31,17 @@ class RoboMoRe:
     Settings = RoboMoReSettings
     summary: ClassVar[str] = "the paper's coarse-to-fine search over morphologies and rewards"
     needs_designer: ClassVar[bool] = True
-    starts_from: ClassVar[tuple[Kind, ...]] = ("morphology", "reward")
     provenance: ClassVar[str] = ""
 
     def __init__(self, settings: RoboMoReSettings) -> None:
         settings.check()
         self.settings = settings
+
+    @property
+    def starts_from(self) -> tuple[Kind, ...]:
+        """What is searched, and so can begin with what is given."""
+        kinds: tuple[Kind, ...] = ("morphology", "reward")
+        return tuple(kind for kind in kinds if kind not in self.settings.without)
 
     @property
     def adds(self) -> str:

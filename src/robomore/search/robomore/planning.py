@@ -35,7 +35,12 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
                 axes=("morphology", "reward"),
                 shape=(settings.morphologies, settings.rewards),
                 proposals=(
-                    ("propose", "morphology", settings.proposed_morphologies),
+                    # The one row without it is the reference's, and no designer is asked.
+                    (
+                        "propose",
+                        "morphology",
+                        0 if "morphology" in settings.without else settings.proposed_morphologies,
+                    ),
                     ("propose", "reward", settings.proposed_rewards),
                 ),
                 evaluations=pairs,
