@@ -11,8 +11,9 @@ from robomore.settings import Budget
 
 COARSE, FINE = "coarse", "fine"
 
-_TYPICAL_CYCLES = 2
-"""Cycles after which most branches have stopped improving."""
+_TYPICAL_CYCLES, _TYPICAL_ADAPTIVE_CYCLES = 2.0, 2.5
+"""Cycles after which most branches have stopped improving. With adaptive turns one more may pass
+until both kinds were tried on the best."""
 
 
 def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
@@ -24,6 +25,7 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
     trials, fine_batches = 2 * branches * cycles, 2 * cycles
     adaptive = settings.order == "adaptive"
     turns = 2 * cycles if adaptive else cycles
+    typical = _TYPICAL_ADAPTIVE_CYCLES if adaptive else _TYPICAL_CYCLES
     first_look = settings.rungs[0].budget_fraction if batches > 1 else 0
     if settings.improvement == "seeds" and cycles:
         # Each proposal is measured twice at most, and so is what a branch begins with.
@@ -60,7 +62,7 @@ def planned(settings: RoboMoReSettings, candidate: Budget) -> Plan:
                 evaluations=trials,
                 steps=trials * candidate.steps,
                 batches=fine_batches,
-                typical=min(1.0, _TYPICAL_CYCLES / max(1, cycles)),
+                typical=min(1.0, typical / max(1, cycles)),
             ),
         )
     )
