@@ -1,7 +1,7 @@
 """The last word: the best designs and the reference, trained anew alike over several seeds.
 
 The best of many noisy numbers is too good to be true. What a run reports is therefore measured
-anew: same budget, same seeds, fresh training (paper, App. "Policy Training"). And the pairs are
+anew: same budget, as many seeds, fresh training (paper, App. "Policy Training"). And the pairs are
 crossed: the found morphology under the reference reward, and the reference morphology under the
 found reward, so that it can be seen which of the two made the difference. The best pair of them
 all is the champion, whoever proposed it.

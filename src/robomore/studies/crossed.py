@@ -1,6 +1,6 @@
 """Whether found rewards are better than the reference reward, from the finals of a study's runs.
 
-Each final trains the found morphology under the reference reward too, on the same seeds. Nobody has
+Each final trains the found morphology under the reference reward too, with as many seeds. Nobody has
 to run anything for this table.
 """
 
@@ -45,7 +45,7 @@ def reward_table(results: Results) -> Table:
         "The found reward over the reference reward, both with the found morphology",
         ("task", "geometric mean", "95 % from", "95 % to", "found is better", "found none"),
         tuple(rows),
-        "Runs of all arms that found a reward, each pair trained anew on the same seeds; without "
+        "Runs of all arms that found a reward, each pair trained anew with as many seeds; without "
         f"those with a score that is not above 0. The interval is Student's, of {FEWEST} pairs or "
         "more. The last column counts runs that answered with the reference reward.",
     )

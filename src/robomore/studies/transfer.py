@@ -45,7 +45,7 @@ def _tables(results: Results) -> list[Table]:
             "Whether the morphology or the reward made the difference",
             (*columns, "champion"),
             tuple(rows),
-            "Each pair of each run is trained anew on the same seeds.",
+            "Each pair of each run is trained anew with as many seeds.",
         )
     ]
 
