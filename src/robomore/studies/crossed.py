@@ -1,7 +1,7 @@
 """Whether found rewards are better than the reference reward, from the finals of a study's runs.
 
-Each final trains the found morphology under the reference reward too, with as many seeds. Nobody has
-to run anything for this table.
+Each final trains the found morphology under the reference reward too, with as many seeds. Nobody
+has to run anything for this table.
 """
 
 from __future__ import annotations
