@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 
+import numpy as np
 import pytest
 
 from robomore.runs.words import with_interval
@@ -33,6 +34,17 @@ def test_five_values_hold_their_mean_as_often_as_is_said() -> None:
     ratios = [ratio(above, below) for above, below in zip(sides, sides, strict=True)]
     held = [one.interval[0] <= 1 <= one.interval[1] for one in ratios if one and one.interval]
     assert len(held) == 2000 and sum(held) / 2000 == pytest.approx(0.95, abs=0.015)
+
+
+@pytest.mark.parametrize(("deviation", "low", "high"), [(0.1, 0.04, 0.05), (0.3, 0.13, 0.15)])
+def test_the_best_of_four_alike_is_flattered_as_much_as_is_said(
+    deviation: float, low: float, high: float
+) -> None:
+    drawn = np.random.default_rng(0).normal(1.0, deviation, (2000, 4, 5))
+    best = [spread(one[one.mean(axis=1).argmax()].tolist()) for one in drawn]
+    assert low < np.mean([one.mean for one in best]) - 1 < high
+    held = [one.interval is not None and one.interval[0] <= 1 <= one.interval[1] for one in best]
+    assert 0.89 < np.mean(held) < 0.935
 
 
 def test_the_interval_of_a_ratio_is_welchs() -> None:
