@@ -15,7 +15,7 @@ import msgspec
 from robomore.errors import RunFolderError
 from robomore.plain_files import read_plain, write_plain
 from robomore.plan import Plan, Stage
-from robomore.release import VERSION
+from robomore.release import VERSION, development_source
 from robomore.settings import RunSettings
 from robomore.text import to_json
 from robomore.types import Start
@@ -31,7 +31,10 @@ _DIGEST = "digest"
 
 
 def package_versions(*more: str) -> dict[str, str]:
-    """Return the versions that can change an evaluation's numbers, those of `more` packages too."""
+    """Return the versions that can change an evaluation's numbers, those of `more` packages too.
+
+    Of a version of RoboMoRe that was not released, a digest of its code as well.
+    """
     versions = {"python": ".".join(platform.python_version_tuple()[:2])}
     for package in ("mujoco", "gymnasium", "jax", "jaxlib", "numpy", *more):
         try:
@@ -40,6 +43,8 @@ def package_versions(*more: str) -> dict[str, str]:
             versions[package] = "absent"
     # Of the code that runs: what was installed once in place may say an older one.
     versions["robomore"] = VERSION
+    if source := development_source():
+        versions["robomore source"] = source
     return versions
 
 
