@@ -22,20 +22,14 @@ from robomore.rewards.check import check_reward
 from robomore.runs import Run, load_run
 from robomore.search import METHODS
 from robomore.search.named_starts import named_start
-from robomore.statistics import interquartile_mean, stratified_interval
 from robomore.store import Manifest, RunFolder
 from robomore.studies import STUDIES, Results, Study, Table, run_study
+from robomore.studies.aggregate import aggregate_table
 from robomore.studies.execute import cells_of, write_results
 from robomore.studies.presets import SCALES, scale
 from robomore.studies.remeasured import LEAST_EPISODES, incumbents, remeasure
-from robomore.studies.scores import (
-    _curve,
-    aggregate_table,
-    found_table,
-    interval_over,
-    over,
-)
-from robomore.studies.study import Arm, Cell
+from robomore.studies.scores import _curve, found_table
+from robomore.studies.study import Arm, Cell, SeedScores
 from robomore.tasks import get_task
 from robomore.tasks.registry import PAPER_TASKS
 
@@ -157,13 +151,13 @@ def test_tables_tell_what_was_found_and_over_what(compared: tuple[Path, Results]
 def test_no_base_gives_no_table_of_dashes(compared: tuple[Path, Results]) -> None:
     _, results = compared
     arm = results.arms[0]
-    some_rows = aggregate_table(results, "over", arm, {"swimmer": [1.0]})
+    some_rows = aggregate_table(results, "over", arm, {"swimmer": [SeedScores(0, (1.0,))]})
     assert some_rows.rows and "IQM" in some_rows.markdown()
-    without = aggregate_table(results, "over", arm, {"swimmer": [-1.0]})
+    without = aggregate_table(results, "over", arm, {"swimmer": [SeedScores(0, (-1.0,))]})
     assert without.markdown() == (
-        f"**All tasks together, over {arm}: no task has a base above 0**\n"
+        f"**All tasks together, over the mean of {arm}: no task has a base above 0**\n"
     )
-    nowhere = aggregate_table(results, "over", arm, {"ant": [1.0]})
+    nowhere = aggregate_table(results, "over", arm, {"ant": [SeedScores(0, (1.0,))]})
     assert "| " not in nowhere.markdown() and "No arm has a result" in nowhere.markdown()
 
 
@@ -304,7 +298,7 @@ def test_a_run_that_found_nothing_is_left_out_and_counted(
     )
     run_study(study, cells[:1], tmp_path)
     found = table(tmp_path, "found")
-    assert found[1][2:6] == [""] * 4 and found[1][10] == "0 of 1"
+    assert found[1][2:6] == [""] * 4 and found[1][10:12] == ["0 of 1", "0 of 0"]
 
 
 def test_each_task_has_an_iqm_with_an_interval_from_five_runs_on(
@@ -318,19 +312,6 @@ def test_each_task_has_an_iqm_with_an_interval_from_five_runs_on(
         assert row[3] == pytest.approx(20.0 if interval else 15.0)
         assert (row[4] is not None and row[5] is not None) == interval
         scores.pop()
-
-
-def test_the_interval_over_a_base_knows_that_the_base_was_measured_too() -> None:
-    runs = [[2.0, 3.0, 4.0, 5.0, 6.0], [20.0, 30.0, 40.0, 50.0, 60.0]]
-    exact, noisy = [[2.0] * 5, [20.0] * 5], [[1.0, 1.5, 2.0, 2.5, 3.0], [10, 15, 20, 25, 30]]
-    fixed = stratified_interval(interquartile_mean, over(runs, exact))
-    assert interval_over(runs, exact) == pytest.approx(fixed)
-    wider = interval_over(runs, noisy)
-    assert wider and wider[0] < fixed[0] and wider[1] > fixed[1]
-    itself = interval_over(noisy, noisy)
-    assert itself and itself[0] <= 1 <= itself[1]
-    assert interval_over(runs, [[1.0] * 4, [1.0] * 5]) is None, "four runs are no base"
-    assert interval_over(runs, [[0.0] * 5, [1.0] * 5]) is None
 
 
 def test_a_table_is_markdown_latex_and_csv() -> None:

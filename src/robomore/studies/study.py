@@ -94,6 +94,22 @@ class Cell:
         return search, final_stage(self.settings.final).steps
 
 
+@dataclass(frozen=True, slots=True)
+class SeedScores:
+    """What finals with one run seed measured of a design.
+
+    Attributes:
+        seed: of the run.
+        values: what it was worth; one number, or one for each training.
+        trainings: keys of the evaluations behind them. Two arms that answer alike with one seed
+            have the very same ones.
+    """
+
+    seed: int
+    values: tuple[float, ...]
+    trainings: frozenset[str] = frozenset()
+
+
 @dataclass(frozen=True)
 class Results:
     """The runs of a study.
@@ -142,23 +158,40 @@ class Results:
         It is the search's own answer, trained anew, and not the champion: the champion may be one
         of the final's other pairs, which every method gets for nothing.
         """
-        found = (run.found.score(self.objective) for run in self.runs(task, arm) if run.found)
-        return [measured.mean for measured in found if measured]
+        return [value for one in self.answers(task, arm) for value in one.values]
+
+    def answers(self, task: str, arm: str) -> list[SeedScores]:
+        """Return the score of each run's answer with its seed; runs without one are left out."""
+        found = []
+        for cell, run in self.cells:
+            if (cell.task, cell.arm.name) == (task, arm) and run.found:
+                keys = frozenset(one.key for one in run.found.evaluations)
+                if measured := run.found.score(self.objective):
+                    found.append(SeedScores(cell.seed, (measured.mean,), keys))
+        return found
 
     def reference(self, task: str) -> float | None:
         """Return what the reference design is worth in the finals of all runs of a task."""
-        values = self.references(task)
+        values = [value for one in self.references(task) for value in one.values]
         return fmean(values) if values else None
 
-    def references(self, task: str) -> list[float]:
+    def references(self, task: str) -> list[SeedScores]:
         """Return what the reference design is worth in each of its trainings, in all finals.
 
         Runs with the same seed have the same trainings of it, which count once.
         """
-        designs = [run.reference for run in self.runs(task) if run.reference]
-        once = {e.key: e for design in designs for e in design.evaluations}
-        scores = (one.score(self.objective) for one in once.values())
-        return [score for score in scores if score is not None]
+        known: set[str] = set()
+        found: dict[int, dict[str, float]] = {}
+        for cell, run in self.cells:
+            for one in run.reference.evaluations if cell.task == task and run.reference else ():
+                score = one.score(self.objective)
+                if score is not None and one.key not in known:
+                    found.setdefault(cell.seed, {})[one.key] = score
+                    known.add(one.key)
+        return [
+            SeedScores(seed, tuple(scores.values()), frozenset(scores))
+            for seed, scores in found.items()
+        ]
 
 
 @dataclass(frozen=True, slots=True)

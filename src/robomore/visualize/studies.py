@@ -55,6 +55,7 @@ def curves(
 def intervals(
     shown: Mapping[str, tuple[float, tuple[float, float] | None]],
     name: str,
+    base: str,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw a point for each arm, and a line for its interval.
@@ -62,6 +63,7 @@ def intervals(
     Args:
         shown: point and interval of each arm; no interval where there are too few runs for one.
         name: of the numbers.
+        base: what the line at 1 stands for.
         ax: to draw on; new axes by default.
     """
     ax = axes_for(ax)
@@ -71,8 +73,9 @@ def intervals(
         ax.plot(point, row, "o", color=CHAMPION)
     ax.set_yticks(range(len(shown)), list(shown))
     ax.invert_yaxis()
-    ax.axvline(1, color="black", linewidth=0.8, linestyle="--")
+    ax.axvline(1, color="black", linewidth=0.8, linestyle="--", label=base)
     ax.set(xlabel=name)
+    ax.legend(fontsize="small")
     return ax
 
 
