@@ -9,14 +9,13 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
+from types import SimpleNamespace
 
 import pytest
 
 import untrained  # noqa: F401  # makes its executor known
 from robomore.errors import InputError, Interrupted, NothingTrained, RunFolderError
-from robomore.evaluation.measure import measure
 from robomore.events import ignore
-from robomore.identity import derive_seed
 from robomore.plain_files import NotPlainError
 from robomore.rewards.check import check_reward
 from robomore.runs import Run, load_run
@@ -27,8 +26,7 @@ from robomore.studies import STUDIES, Results, Study, Table, run_study
 from robomore.studies.aggregate import aggregate_table
 from robomore.studies.execute import cells_of, write_results
 from robomore.studies.presets import SCALES, scale
-from robomore.studies.remeasured import LEAST_EPISODES, incumbents, remeasure
-from robomore.studies.scores import _curve, found_table
+from robomore.studies.scores import found_table
 from robomore.studies.study import Arm, Cell, SeedScores
 from robomore.tasks import get_task
 from robomore.tasks.registry import PAPER_TASKS
@@ -51,15 +49,18 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Results]:
     """A small comparison that was stopped after its first cell, and went on."""
     out = tmp_path_factory.mktemp("study")
     study, cells = some()
-    run_study(study, cells[:1], out, executor="untrained")
-    before = (out / cells[0].folder / "ledger.sqlite").stat().st_mtime_ns
     begun: list[str] = []
 
     def tell(index: int, cell: Cell):  # type: ignore[no-untyped-def]
         begun.append(cell.arm.name)
         return ignore
 
-    results = run_study(study, cells, out, executor="untrained", tell=tell)
+    with pytest.MonkeyPatch.context() as patch:
+        measured = SimpleNamespace(fitness=1.0, behaviour={})
+        patch.setattr("robomore.studies.remeasured.measure", lambda *arguments: measured)
+        run_study(study, cells[:1], out, executor="untrained")
+        before = (out / cells[0].folder / "ledger.sqlite").stat().st_mtime_ns
+        results = run_study(study, cells, out, executor="untrained", tell=tell)
     assert begun == [cell.arm.name for cell in cells]
     after = (out / cells[0].folder / "ledger.sqlite").stat().st_mtime_ns
     assert after == before, "a cell that was done ran again"
@@ -254,31 +255,6 @@ def test_the_motivation_tells_its_four_cases(tmp_path: Path) -> None:
         volume = task.volume(arm.options["method_options"]["parameters"])
         assert volume == pytest.approx(legs, rel=0.01)
         assert not check_reward(arm.options["method_options"]["reward"])
-
-
-def test_the_best_so_far_is_measured_again(
-    trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run = load_run(trained_run)
-    expected = {point.record.evaluation.key for point in incumbents(run)}
-    again = remeasure([run], tmp_path)
-    assert set(again) == expected
-    first = incumbents(run)[0].record.evaluation
-    assert again[first.key] != first.efficiency
-    task, parameters = run.task, first.design.morphology.parameters
-    apart = derive_seed(first.job.seed, "measured again")
-    episodes = max(LEAST_EPISODES, first.job.episodes)
-    found = measure(task, parameters, run.load_policy(first.key), episodes, apart)
-    assert again[first.key] == pytest.approx(found.fitness / task.volume(parameters))
-    monkeypatch.setattr("robomore.studies.remeasured.measure", None)
-    assert remeasure([run], tmp_path) == again, "what is known is read"
-    cell = replace(some()[1][0], settings=run.manifest.settings)
-    results = Results(((cell, run),), again)
-    (_, best), *_ = _curve(results, "swimmer", cell.arm.name)
-    assert best == again[first.key]
-    (tmp_path / "remeasured.json").write_text("[")
-    with pytest.raises(InputError, match="cannot be read"):
-        remeasure([run], tmp_path)
 
 
 def test_a_run_that_found_nothing_is_left_out_and_counted(

@@ -115,6 +115,7 @@ def study(
             containment=machine.containment,
             side_by_side=at_once,
             tell=progress.begin,
+            measuring=progress.measure,
             ended=progress.end,
         )
     for table in wanted.tables(results):

@@ -54,6 +54,7 @@ ABLATION = Study(
     ),
     tables=_tables,
     figures=_figures,
+    curves=True,
 )
 
 COARSE_TO_FINE = Study(
@@ -62,4 +63,5 @@ COARSE_TO_FINE = Study(
     arms=(Arm(FULL), _without("fine"), _without("coarse")),
     tables=_tables,
     figures=_figures,
+    curves=True,
 )

@@ -57,4 +57,5 @@ COMPARISON = Study(
     tables=_tables,
     figures=_figures,
     tasks=("swimmer", "half-cheetah"),
+    curves=True,
 )

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from statistics import fmean
 
+from robomore.runs import Run
 from robomore.runs.progress import Point, progress
 from robomore.runs.trained import TrainedDesign
 from robomore.runs.words import label, unit_of
@@ -18,6 +19,8 @@ from robomore.visualize.studies import curves
 
 POINTS = 60
 """Budgets at which a curve is read."""
+_MOST_NAMES = 3
+"""Of runs that a figure names."""
 
 
 def found_table(results: Results) -> Table:
@@ -88,37 +91,70 @@ def _failed(designs: Sequence[TrainedDesign]) -> str:
 
 
 def curve_figures(results: Results) -> dict[str, Draw]:
-    """Return a figure for each task: the best so far over the budget, measured again, as means."""
+    """Return a figure for each task: the best so far over the budget, measured again, as means.
+
+    It takes a study with `curves`, whose policies are measured again. Where one of a run could not
+    be, the run is left out, and named.
+    """
     found: dict[str, Draw] = {}
     for task in results.tasks:
-        lines = {arm: line for arm in results.arms if (line := _curve(results, task, arm))}
+        lines: dict[str, list[tuple[float, float]]] = {}
+        names: dict[str, str] = {}
+        lost: list[str] = []
+        for arm in results.arms:
+            runs = results.runs(task, arm)
+            whole = [run for run in runs if _measured(results, run)]
+            lost += [run.folder.name for run in runs if not _measured(results, run)]
+            if whole:
+                lines[arm] = _curve(results, whole)
+                some = f" ({len(whole)} of {len(runs)} runs)"
+                names[arm] = arm + (some if len(whole) < len(runs) else "")
         ends = {arm: fmean(s) for arm in lines if (s := results.scores(task, arm))}
         if lines:
-            draw = partial(curves, lines, ends, label(results.objective, results.fitness_unit))
+            draw = partial(
+                curves,
+                {names[arm]: line for arm, line in lines.items()},
+                {names[arm]: end for arm, end in ends.items()},
+                label(results.objective, results.fitness_unit),
+                _left_out(lost),
+            )
             found[f"curves-{task}"] = draw
     return found
 
 
-def _curve(results: Results, task: str, arm: str) -> list[tuple[float, float]]:
+def _measured(results: Results, run: Run) -> bool:
+    """Return whether all that was once the best so far of a run was measured again."""
+    points = incumbents(run)
+    return bool(points) and all(e.key in results.again for p in points for e in p.leader)
+
+
+def _left_out(names: Sequence[str]) -> str:
+    if not names:
+        return ""
+    others = len(names) - _MOST_NAMES
+    more = f" and {others} more" if others > 0 else ""
+    return f"left out, not measured again: {', '.join(names[:_MOST_NAMES])}{more}"
+
+
+def _curve(results: Results, runs: Sequence[Run]) -> list[tuple[float, float]]:
     """Return (control steps, mean best so far) of the runs, from where all of them have one.
 
     The best so far is what the search took for it, measured again: it may go down.
+
+    Args:
+        results: of the study.
+        runs: at least one; all that was the best in them was measured again.
     """
-    runs = [
-        (points, progress(run)) for run in results.runs(task, arm) if (points := incumbents(run))
-    ]
-    if not runs:
-        return []
-    begin = max(points[0].steps for points, _ in runs)
-    end = max(whole[-1].steps for _, whole in runs)
+    found = [(incumbents(run), progress(run)[-1].steps) for run in runs]
+    begin = max(points[0].steps for points, _ in found)
+    end = max(last for _, last in found)
     line = []
     for number in range(POINTS):
         steps = begin + (end - begin) * number / (POINTS - 1)
-        best = [[p for p in points if p.steps <= steps][-1] for points, _ in runs]
+        best = [[p for p in points if p.steps <= steps][-1] for points, _ in found]
         line.append((steps, fmean(_again(results, point) for point in best)))
     return line
 
 
 def _again(results: Results, point: Point) -> float:
-    # Without a policy, as for a run that trained nothing, there is what the search saw.
-    return results.again.get(point.record.evaluation.key, point.score)
+    return fmean(results.again[evaluation.key] for evaluation in point.leader)

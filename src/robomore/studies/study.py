@@ -209,6 +209,8 @@ class Study:
         searched: the task whose search gives the design that is trained in all other tasks; empty
             for a search in each of them.
         whole_grid: whether each search may use as many full trainings as the grid has pairs.
+        curves: whether its figures hold curves of the best so far (`scores.curve_figures`), for
+            which the policies behind them are measured again.
     """
 
     name: str
@@ -220,3 +222,4 @@ class Study:
     change: Mapping[str, Any] = field(default_factory=dict)
     searched: str = ""
     whole_grid: bool = False
+    curves: bool = False

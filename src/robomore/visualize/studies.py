@@ -21,6 +21,7 @@ def curves(
     lines: Mapping[str, Sequence[tuple[float, float]]],
     ends: Mapping[str, float],
     name: str,
+    left_out: str = "",
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the best so far of each arm over the training it has spent.
@@ -30,9 +31,12 @@ def curves(
         ends: what each arm's answers were worth when they were trained anew; drawn as a point at
             the end, since the best of many noisy numbers is too good to be true.
         name: of the numbers, with their unit.
+        left_out: which runs are in no line, in words.
         ax: to draw on; new axes by default.
     """
     ax = axes_for(ax)
+    if left_out:
+        ax.set_title(left_out, fontsize="small", loc="left", wrap=True)
     for number, (arm, line) in enumerate(lines.items()):
         steps, best = zip(*line, strict=True)
         style = STYLES[number // COLOURS % len(STYLES)]
