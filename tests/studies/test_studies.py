@@ -168,6 +168,27 @@ def test_figures_are_drawn(compared: tuple[Path, Results]) -> None:
             assert (compared[0] / "figures" / f"{name}.{ending}").stat().st_size > 1000
 
 
+def test_a_call_with_other_arms_says_so_and_leaves_no_figure_of_other_runs(
+    compared: tuple[Path, Results], tmp_path: Path
+) -> None:
+    out = Path(shutil.copytree(compared[0], tmp_path / "study"))
+    (out / "figures" / "mine.png").write_text("of the user")
+    study, cells = some()
+    asked = [cell for cell in cells if cell.arm.name == "random"]
+    results = run_study(study, asked, out, executor="untrained")
+    told = (out / "tables" / "found.md").read_text()
+    assert "This table covers only what its call named: random on swimmer. Left out are 2" in told
+    assert "(swimmer-robomore-s0, swimmer-slim-reference-s0)" in told
+    assert "covers only" in (out / "tables" / "over-human.tex").read_text()
+    drawn = {f"{name}.svg" for name in study.figures(results)}
+    assert "iqm.svg" not in drawn, "nothing to divide by"
+    left = {path.name for path in (out / "figures").iterdir()}
+    assert "mine.png" in left and {name for name in left if name.endswith(".svg")} == drawn
+    run_study(study, cells, out, executor="untrained")
+    assert "covers only" not in (out / "tables" / "found.md").read_text()
+    assert (out / "figures" / "iqm.svg").is_file()
+
+
 @pytest.mark.parametrize("name", OTHERS)
 def test_every_study_tells_of_its_arms(name: str, compared: tuple[Path, Results]) -> None:
     """The runs are those of the comparison, under the names of this study's arms."""

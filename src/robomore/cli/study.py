@@ -118,6 +118,6 @@ def study(
             measuring=progress.measure,
             ended=progress.end,
         )
-    for table in wanted.tables(results):
+    for table in wanted.told(results):
         write(f"{table.markdown()}\n")
     write(f"tables and figures: {out}\n")

@@ -202,13 +202,17 @@ def run_study(
             ) from None
     order = {cell.folder: index for index, cell in enumerate(cells)}
     all_done = sorted(searches + trained, key=lambda one: order[one[0].folder])
-    results = Results(tuple(all_done), again.scores if again else {})
+    own = {cell.folder.name for cell in cells}
+    others = [name for name in PlainFolder(out).names("cells") if name not in own]
+    results = Results(tuple(all_done), again.scores if again else {}, tuple(others))
     write_results(study, results, out)
     return results
 
 
 def write_results(study: Study, results: Results, out: Path) -> list[Path]:
     """Write the tables of a study, and its figures if Matplotlib is installed; return the files.
+
+    Figures of an earlier call that are not drawn anew are removed: they are of other runs.
 
     Raises:
         InputError: a file cannot be written.
@@ -220,13 +224,14 @@ def write_results(study: Study, results: Results, out: Path) -> list[Path]:
             folder.make(name.partition("/")[0])
             folder.write(name, content)
             written.append(out / name)
+        _remove_figures(folder, {file.name for file in written})
     except OSError as error:
         raise InputError(f"cannot write to {out} ({error.strerror}); name another --out") from None
     return written
 
 
 def _tables(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
-    for table in study.tables(results):
+    for table in study.told(results):
         yield f"tables/{table.name}.md", table.markdown().encode()
         yield f"tables/{table.name}.tex", table.latex().encode()
         yield f"tables/{table.name}.csv", table.csv().encode()
@@ -244,6 +249,16 @@ def _drawn(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
             figure.savefig(drawn, format=ending)
             yield f"figures/{name}.{ending}", drawn.getvalue()
         pyplot.close(figure)
+
+
+def _remove_figures(folder: PlainFolder, drawn: set[str]) -> None:
+    """Remove the figures that were drawn before, each of them in all formats, and are not now."""
+    there = set(folder.names("figures"))
+    for name in sorted({name.rpartition(".")[0] for name in there}):
+        files = [f"{name}.{ending}" for ending in FORMATS]
+        if there.issuperset(files) and not drawn.issuperset(files):
+            for file in files:
+                folder.remove(f"figures/{file}")
 
 
 def _pyplot() -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from statistics import fmean
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 Draw = Callable[["Axes | None"], "Axes"]
 """Draws one figure on the given axes, or on new ones."""
 
+
+_MOST_NAMES = 3
+"""Of runs that a sentence names."""
 
 PROPOSED = {
     "method_options": {"screening": "none", "reference_reward": "out", "slim_reference": "out"}
@@ -118,10 +121,12 @@ class Results:
         cells: each cell with its run, which may have found nothing.
         again: scores of designs that were once the best so far of a search, by the evaluation's
             key, measured again (`robomore.studies.remeasured`).
+        others: names of the runs in the study's folder that are not among the cells.
     """
 
     cells: tuple[tuple[Cell, Run], ...]
     again: Mapping[str, float] = field(default_factory=dict)
+    others: tuple[str, ...] = ()
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -223,3 +228,26 @@ class Study:
     searched: str = ""
     whole_grid: bool = False
     curves: bool = False
+
+    def told(self, results: Results) -> list[Table]:
+        """Return the tables of the results; where the folder holds more runs, each says so."""
+        left_out = _left_out(results)
+        return [
+            replace(table, note=f"{table.note} {left_out}".strip())
+            for table in self.tables(results)
+        ]
+
+
+def _left_out(results: Results) -> str:
+    """Return which runs the tables cover, where the study's folder holds others; else `""`."""
+    if not results.others:
+        return ""
+    count = len(results.others)
+    named = ", ".join(results.others[:_MOST_NAMES])
+    more = f" and {count - _MOST_NAMES} more" if count > _MOST_NAMES else ""
+    return (
+        f"This table covers only what its call named: {', '.join(results.arms)} on "
+        f"{', '.join(results.tasks)}. Left out {'is' if count == 1 else 'are'} {count} other "
+        f"run{'' if count == 1 else 's'} in the same folder ({named}{more}); a call that names "
+        "those too tells of all, and repeats none."
+    )
