@@ -41,6 +41,10 @@ def test_one_arm_runs_and_its_table_is_told(robomore_: Command, tmp_path: Path) 
     assert "m/m³, the reference design" in said.err
     assert "| swimmer | reference |" in said.out
     assert (tmp_path / "tables" / "found.tex").is_file()
+    assert "covers only" not in said.out
+    said = robomore_(*words[:-5], "slim-reference", *words[-4:])
+    assert said.status == 0, said.err
+    assert "This table covers only what its call named: slim-reference on swimmer." in said.out
 
 
 def test_what_cannot_be_used_is_refused(robomore_: Command) -> None:

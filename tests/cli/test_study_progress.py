@@ -94,6 +94,16 @@ def test_a_long_cell_is_told_of_before_its_end(cell_run: Run, tmp_path: Path) ->
     assert said[1].startswith("swimmer-robomore-s0: coarse 1/1; about ")
 
 
+def test_what_is_measured_again_is_said() -> None:
+    said: list[str] = []
+    (cell, *_) = all_cells = cells()
+    progress = StudyProgress(all_cells, 1, said.append, Clock())
+    for count in (1, 4):
+        progress.measure(0, cell, count)
+    assert said[0] == f"{cell.folder.name}: 1 policy is measured again, for the curves\n"
+    assert said[1] == f"{cell.folder.name}: 4 policies are measured again, for the curves\n"
+
+
 def test_what_was_not_found_is_said(cell_run: Run) -> None:
     said: list[str] = []
     (cell, *_) = all_cells = cells()

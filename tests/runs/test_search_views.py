@@ -157,6 +157,22 @@ def test_branches_advance_side_by_side(tmp_path: Path) -> None:
     assert order == [(0, 0), (1, 0), (0, 1), (1, 1)]
 
 
+def test_a_design_with_a_second_seed_stands_by_their_mean(tmp_path: Path) -> None:
+    """As the search takes it: the highest single number would be its luckier seed."""
+    run = FakeRun(tmp_path)
+    lucky, other = (Design(run.morphology(0.5), run.reward(weight)) for weight in (1.0, 2.0))
+    place = Place(stage="fine", index=(0, 0), changed="reward")
+    first = run.add(lucky, place, 10.0)
+    second = run.add(lucky, replace(place, repeat=999_999), 4.0)
+    run.add(other, replace(place, index=(0, 1)), 8.0)
+    run.add(other, replace(place, index=(0, 1), repeat=999_999), None, Status.UNSTABLE)
+    assert first.volume is not None
+    best = [point.best * first.volume for point in progress(load_run(tmp_path))]
+    assert best == pytest.approx([10.0, 7.0, 8.0])
+    leaders = [[e.key for e in point.leader] for point in progress(load_run(tmp_path))]
+    assert leaders[:2] == [[first.key], [first.key, second.key]]
+
+
 def test_slots_that_stayed_empty_are_named_in_the_order_of_the_search(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     with closing(Ledger(run.folder.ledger)) as ledger:

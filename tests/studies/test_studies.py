@@ -9,33 +9,25 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
+from types import SimpleNamespace
 
 import pytest
 
 import untrained  # noqa: F401  # makes its executor known
 from robomore.errors import InputError, Interrupted, NothingTrained, RunFolderError
-from robomore.evaluation.measure import measure
 from robomore.events import ignore
-from robomore.identity import derive_seed
 from robomore.plain_files import NotPlainError
 from robomore.rewards.check import check_reward
 from robomore.runs import Run, load_run
 from robomore.search import METHODS
 from robomore.search.named_starts import named_start
-from robomore.statistics import interquartile_mean, stratified_interval
 from robomore.store import Manifest, RunFolder
 from robomore.studies import STUDIES, Results, Study, Table, run_study
+from robomore.studies.aggregate import aggregate_table
 from robomore.studies.execute import cells_of, write_results
 from robomore.studies.presets import SCALES, scale
-from robomore.studies.remeasured import LEAST_EPISODES, incumbents, remeasure
-from robomore.studies.scores import (
-    _curve,
-    aggregate_table,
-    found_table,
-    interval_over,
-    over,
-)
-from robomore.studies.study import Arm, Cell
+from robomore.studies.scores import found_table
+from robomore.studies.study import Arm, Cell, SeedScores
 from robomore.tasks import get_task
 from robomore.tasks.registry import PAPER_TASKS
 
@@ -57,15 +49,18 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Results]:
     """A small comparison that was stopped after its first cell, and went on."""
     out = tmp_path_factory.mktemp("study")
     study, cells = some()
-    run_study(study, cells[:1], out, executor="untrained")
-    before = (out / cells[0].folder / "ledger.sqlite").stat().st_mtime_ns
     begun: list[str] = []
 
     def tell(index: int, cell: Cell):  # type: ignore[no-untyped-def]
         begun.append(cell.arm.name)
         return ignore
 
-    results = run_study(study, cells, out, executor="untrained", tell=tell)
+    with pytest.MonkeyPatch.context() as patch:
+        measured = SimpleNamespace(fitness=1.0, behaviour={})
+        patch.setattr("robomore.studies.remeasured.measure", lambda *arguments: measured)
+        run_study(study, cells[:1], out, executor="untrained")
+        before = (out / cells[0].folder / "ledger.sqlite").stat().st_mtime_ns
+        results = run_study(study, cells, out, executor="untrained", tell=tell)
     assert begun == [cell.arm.name for cell in cells]
     after = (out / cells[0].folder / "ledger.sqlite").stat().st_mtime_ns
     assert after == before, "a cell that was done ran again"
@@ -157,13 +152,13 @@ def test_tables_tell_what_was_found_and_over_what(compared: tuple[Path, Results]
 def test_no_base_gives_no_table_of_dashes(compared: tuple[Path, Results]) -> None:
     _, results = compared
     arm = results.arms[0]
-    some_rows = aggregate_table(results, "over", arm, {"swimmer": [1.0]})
+    some_rows = aggregate_table(results, "over", arm, {"swimmer": [SeedScores(0, (1.0,))]})
     assert some_rows.rows and "IQM" in some_rows.markdown()
-    without = aggregate_table(results, "over", arm, {"swimmer": [-1.0]})
+    without = aggregate_table(results, "over", arm, {"swimmer": [SeedScores(0, (-1.0,))]})
     assert without.markdown() == (
-        f"**All tasks together, over {arm}: no task has a base above 0**\n"
+        f"**All tasks together, over the mean of {arm}: no task has a base above 0**\n"
     )
-    nowhere = aggregate_table(results, "over", arm, {"ant": [1.0]})
+    nowhere = aggregate_table(results, "over", arm, {"ant": [SeedScores(0, (1.0,))]})
     assert "| " not in nowhere.markdown() and "No arm has a result" in nowhere.markdown()
 
 
@@ -171,6 +166,27 @@ def test_figures_are_drawn(compared: tuple[Path, Results]) -> None:
     for name in ("curves-swimmer", "iqm"):
         for ending in ("svg", "pdf", "png"):
             assert (compared[0] / "figures" / f"{name}.{ending}").stat().st_size > 1000
+
+
+def test_a_call_with_other_arms_says_so_and_leaves_no_figure_of_other_runs(
+    compared: tuple[Path, Results], tmp_path: Path
+) -> None:
+    out = Path(shutil.copytree(compared[0], tmp_path / "study"))
+    (out / "figures" / "mine.png").write_text("of the user")
+    study, cells = some()
+    asked = [cell for cell in cells if cell.arm.name == "random"]
+    results = run_study(study, asked, out, executor="untrained")
+    told = (out / "tables" / "found.md").read_text()
+    assert "This table covers only what its call named: random on swimmer. Left out are 2" in told
+    assert "(swimmer-robomore-s0, swimmer-slim-reference-s0)" in told
+    assert "covers only" in (out / "tables" / "over-human.tex").read_text()
+    drawn = {f"{name}.svg" for name in study.figures(results)}
+    assert "iqm.svg" not in drawn, "nothing to divide by"
+    left = {path.name for path in (out / "figures").iterdir()}
+    assert "mine.png" in left and {name for name in left if name.endswith(".svg")} == drawn
+    run_study(study, cells, out, executor="untrained")
+    assert "covers only" not in (out / "tables" / "found.md").read_text()
+    assert (out / "figures" / "iqm.svg").is_file()
 
 
 @pytest.mark.parametrize("name", OTHERS)
@@ -262,31 +278,6 @@ def test_the_motivation_tells_its_four_cases(tmp_path: Path) -> None:
         assert not check_reward(arm.options["method_options"]["reward"])
 
 
-def test_the_best_so_far_is_measured_again(
-    trained_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run = load_run(trained_run)
-    expected = {point.record.evaluation.key for point in incumbents(run)}
-    again = remeasure([run], tmp_path)
-    assert set(again) == expected
-    first = incumbents(run)[0].record.evaluation
-    assert again[first.key] != first.efficiency
-    task, parameters = run.task, first.design.morphology.parameters
-    apart = derive_seed(first.job.seed, "measured again")
-    episodes = max(LEAST_EPISODES, first.job.episodes)
-    found = measure(task, parameters, run.load_policy(first.key), episodes, apart)
-    assert again[first.key] == pytest.approx(found.fitness / task.volume(parameters))
-    monkeypatch.setattr("robomore.studies.remeasured.measure", None)
-    assert remeasure([run], tmp_path) == again, "what is known is read"
-    cell = replace(some()[1][0], settings=run.manifest.settings)
-    results = Results(((cell, run),), again)
-    (_, best), *_ = _curve(results, "swimmer", cell.arm.name)
-    assert best == again[first.key]
-    (tmp_path / "remeasured.json").write_text("[")
-    with pytest.raises(InputError, match="cannot be read"):
-        remeasure([run], tmp_path)
-
-
 def test_a_run_that_found_nothing_is_left_out_and_counted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compared: tuple[Path, Results]
 ) -> None:
@@ -304,7 +295,7 @@ def test_a_run_that_found_nothing_is_left_out_and_counted(
     )
     run_study(study, cells[:1], tmp_path)
     found = table(tmp_path, "found")
-    assert found[1][2:6] == [""] * 4 and found[1][10] == "0 of 1"
+    assert found[1][2:6] == [""] * 4 and found[1][10:12] == ["0 of 1", "0 of 0"]
 
 
 def test_each_task_has_an_iqm_with_an_interval_from_five_runs_on(
@@ -318,19 +309,6 @@ def test_each_task_has_an_iqm_with_an_interval_from_five_runs_on(
         assert row[3] == pytest.approx(20.0 if interval else 15.0)
         assert (row[4] is not None and row[5] is not None) == interval
         scores.pop()
-
-
-def test_the_interval_over_a_base_knows_that_the_base_was_measured_too() -> None:
-    runs = [[2.0, 3.0, 4.0, 5.0, 6.0], [20.0, 30.0, 40.0, 50.0, 60.0]]
-    exact, noisy = [[2.0] * 5, [20.0] * 5], [[1.0, 1.5, 2.0, 2.5, 3.0], [10, 15, 20, 25, 30]]
-    fixed = stratified_interval(interquartile_mean, over(runs, exact))
-    assert interval_over(runs, exact) == pytest.approx(fixed)
-    wider = interval_over(runs, noisy)
-    assert wider and wider[0] < fixed[0] and wider[1] > fixed[1]
-    itself = interval_over(noisy, noisy)
-    assert itself and itself[0] <= 1 <= itself[1]
-    assert interval_over(runs, [[1.0] * 4, [1.0] * 5]) is None, "four runs are no base"
-    assert interval_over(runs, [[0.0] * 5, [1.0] * 5]) is None
 
 
 def test_a_table_is_markdown_latex_and_csv() -> None:

@@ -115,8 +115,9 @@ def study(
             containment=machine.containment,
             side_by_side=at_once,
             tell=progress.begin,
+            measuring=progress.measure,
             ended=progress.end,
         )
-    for table in wanted.tables(results):
+    for table in wanted.told(results):
         write(f"{table.markdown()}\n")
     write(f"tables and figures: {out}\n")

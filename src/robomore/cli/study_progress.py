@@ -85,6 +85,12 @@ class StudyProgress:
 
         return observe
 
+    def measure(self, index: int, cell: Cell, count: int) -> None:
+        """Say that a cell's policies are measured again."""
+        with self._lock:
+            policies = f"{count} polic{'y is' if count == 1 else 'ies are'}"
+            self._say(f"{cell.folder.name}: {policies} measured again, for the curves")
+
     def end(self, index: int, cell: Cell, run: Run) -> None:
         """Say what a cell has found, and about how long the others take."""
         with self._lock:

@@ -5,13 +5,8 @@ Without the fine stage there is the grid alone, which needs less.
 
 from __future__ import annotations
 
-from robomore.studies.scores import (
-    Bases,
-    aggregate_table,
-    curve_figures,
-    found_table,
-    interval_figure,
-)
+from robomore.studies.aggregate import Bases, aggregate_table, interval_figure
+from robomore.studies.scores import curve_figures, found_table
 from robomore.studies.study import Arm, Draw, Results, Study
 from robomore.studies.table import Table
 
@@ -29,7 +24,7 @@ def _without(part: str) -> Arm:
 
 def _full(results: Results) -> Bases:
     """Return the runs of the whole method on each task."""
-    return {task: results.scores(task, FULL) for task in results.tasks}
+    return {task: results.answers(task, FULL) for task in results.tasks}
 
 
 def _tables(results: Results) -> list[Table]:
@@ -59,6 +54,7 @@ ABLATION = Study(
     ),
     tables=_tables,
     figures=_figures,
+    curves=True,
 )
 
 COARSE_TO_FINE = Study(
@@ -67,4 +63,5 @@ COARSE_TO_FINE = Study(
     arms=(Arm(FULL), _without("fine"), _without("coarse")),
     tables=_tables,
     figures=_figures,
+    curves=True,
 )

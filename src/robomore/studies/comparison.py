@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from robomore.search import METHODS
+from robomore.studies.aggregate import Bases, aggregate_table, interval_figure
 from robomore.studies.crossed import reward_table
 from robomore.studies.retraining import GIVEN
-from robomore.studies.scores import (
-    Bases,
-    aggregate_table,
-    curve_figures,
-    found_table,
-    interval_figure,
-)
+from robomore.studies.scores import curve_figures, found_table
 from robomore.studies.study import Arm, Draw, Results, Study
 from robomore.studies.table import Table
 
@@ -38,7 +33,7 @@ def _arms() -> tuple[Arm, ...]:
 
 
 def _slim(results: Results) -> Bases:
-    return {task: results.scores(task, SLIM) for task in results.tasks}
+    return {task: results.answers(task, SLIM) for task in results.tasks}
 
 
 def _tables(results: Results) -> list[Table]:
@@ -62,4 +57,5 @@ COMPARISON = Study(
     tables=_tables,
     figures=_figures,
     tasks=("swimmer", "half-cheetah"),
+    curves=True,
 )

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 from robomore.designers import LanguageModel, Replay
 from robomore.errors import InputError, Interrupted, NothingTrained, RunFolderError
@@ -23,7 +24,7 @@ from robomore.search import METHODS, make_method
 from robomore.search.robomore.settings import RoboMoReSettings
 from robomore.settings import RunSettings, from_options
 from robomore.studies.presets import Scale
-from robomore.studies.remeasured import remeasure
+from robomore.studies.remeasured import Remeasured
 from robomore.studies.retraining import GIVEN, retraining
 from robomore.studies.study import Arm, Cell, Results, Study
 from robomore.tasks import get_task
@@ -116,6 +117,7 @@ def run_study(
     containment: str | None = None,
     side_by_side: int = 1,
     tell: Callable[[int, Cell], Observer] = lambda index, cell: ignore,
+    measuring: Callable[[int, Cell, int], None] = lambda index, cell, count: None,
     ended: Callable[[int, Cell, Run], None] = lambda index, cell, run: None,
 ) -> Results:
     """Run what is missing of a study; tables and figures are written at the end.
@@ -132,6 +134,8 @@ def run_study(
             at the end of each of its batches, and one cell alone keeps only a few workers busy.
             The numbers do not depend on it. The executor must take calls from several threads.
         tell: is called before each cell, and returns who observes its run.
+        measuring: is called where policies of a cell are measured again for the curves, with how
+            many. Without Matplotlib there are no curves.
         ended: is called after each cell, with its run.
 
     Raises:
@@ -139,6 +143,7 @@ def run_study(
         RunFolderError: a cell's folder holds another run.
         Interrupted: Ctrl-C; the same call goes on where this one stopped.
     """
+    again = Remeasured(out) if study.curves and _pyplot() else None
     with ExitStack() as stack:
         if isinstance(executor, str):
             make = EXECUTORS.get(executor)
@@ -169,6 +174,8 @@ def run_study(
                 except NothingTrained:
                     # Its ledger tells why; the tables tell how many runs found something.
                     found = load_run(folder)
+            if again is not None:
+                again.add(found, partial(measuring, index, cell))
             ended(index, cell, found)
             finished.append(index)
             return cell, found
@@ -187,21 +194,25 @@ def run_study(
             searches = all_of(lambda cell: cell.retrains is None)
             # Where a search found nothing, there is nothing to train elsewhere.
             nothing = [cell.folder for cell, run in searches if not run.found]
-            again = all_of(lambda one: bool(one.retrains and one.retrains.folder not in nothing))
+            trained = all_of(lambda one: bool(one.retrains and one.retrains.folder not in nothing))
         except (KeyboardInterrupt, Interrupted):
             raise Interrupted(
                 f"stopped; {len(finished)} of {len(cells)} runs are done and kept in {out}, and "
                 "the same command goes on from there, also with a run that is half done"
             ) from None
     order = {cell.folder: index for index, cell in enumerate(cells)}
-    all_done = sorted(searches + again, key=lambda one: order[one[0].folder])
-    results = Results(tuple(all_done), remeasure((run for _, run in all_done), out))
+    all_done = sorted(searches + trained, key=lambda one: order[one[0].folder])
+    own = {cell.folder.name for cell in cells}
+    others = [name for name in PlainFolder(out).names("cells") if name not in own]
+    results = Results(tuple(all_done), again.scores if again else {}, tuple(others))
     write_results(study, results, out)
     return results
 
 
 def write_results(study: Study, results: Results, out: Path) -> list[Path]:
     """Write the tables of a study, and its figures if Matplotlib is installed; return the files.
+
+    Figures of an earlier call that are not drawn anew are removed: they are of other runs.
 
     Raises:
         InputError: a file cannot be written.
@@ -213,24 +224,22 @@ def write_results(study: Study, results: Results, out: Path) -> list[Path]:
             folder.make(name.partition("/")[0])
             folder.write(name, content)
             written.append(out / name)
+        _remove_figures(folder, {file.name for file in written})
     except OSError as error:
         raise InputError(f"cannot write to {out} ({error.strerror}); name another --out") from None
     return written
 
 
 def _tables(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
-    for table in study.tables(results):
+    for table in study.told(results):
         yield f"tables/{table.name}.md", table.markdown().encode()
         yield f"tables/{table.name}.tex", table.latex().encode()
         yield f"tables/{table.name}.csv", table.csv().encode()
 
 
 def _drawn(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
-    from robomore.visualize.canvas import matplotlib
-
-    try:
-        pyplot = matplotlib("pyplot")
-    except InputError:
+    pyplot = _pyplot()
+    if pyplot is None:
         return
     for name, draw in study.figures(results).items():
         figure, axes = pyplot.subplots(figsize=(8.6, 4.8), layout="constrained")
@@ -240,6 +249,26 @@ def _drawn(study: Study, results: Results) -> Iterator[tuple[str, bytes]]:
             figure.savefig(drawn, format=ending)
             yield f"figures/{name}.{ending}", drawn.getvalue()
         pyplot.close(figure)
+
+
+def _remove_figures(folder: PlainFolder, drawn: set[str]) -> None:
+    """Remove the figures that were drawn before, each of them in all formats, and are not now."""
+    there = set(folder.names("figures"))
+    for name in sorted({name.rpartition(".")[0] for name in there}):
+        files = [f"{name}.{ending}" for ending in FORMATS]
+        if there.issuperset(files) and not drawn.issuperset(files):
+            for file in files:
+                folder.remove(f"figures/{file}")
+
+
+def _pyplot() -> Any:
+    """Return the module that draws, or `None` where Matplotlib is not installed."""
+    from robomore.visualize.canvas import matplotlib
+
+    try:
+        return matplotlib("pyplot")
+    except InputError:
+        return None
 
 
 def _finished(

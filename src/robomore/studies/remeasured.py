@@ -8,7 +8,8 @@ costs no training and has no luck of the choice in it.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+import threading
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from robomore.plain_files import PlainFolder
 from robomore.runs import Run
 from robomore.runs.progress import Point, progress
 from robomore.text import to_json
+from robomore.types import Evaluation
 
 FILE = "remeasured.json"
 """In a study's folder: the score of each evaluation that was once the best so far, by its key."""
@@ -32,42 +34,73 @@ log = logging.getLogger(__name__)
 
 
 def incumbents(run: Run) -> list[Point]:
-    """Return the points of a search that were better than all before them, in order."""
+    """Return the points of a search at which another design became the best, or had a new seed."""
     found: list[Point] = []
     for point in progress(run):
-        if not found or point.best > found[-1].best:
+        if not found or _keys(point) != _keys(found[-1]):
             found.append(point)
     return found
 
 
-def remeasure(runs: Iterable[Run], out: Path) -> dict[str, float]:
-    """Return the scores of all incumbents by key, measured again; those known are read from `out`.
+class Remeasured:
+    """Scores of evaluations that were the best so far, measured again and kept in a study's folder.
 
-    An evaluation without a policy is left out: nothing of it can be measured.
+    Several threads may add runs at once.
 
-    Args:
-        runs: of a study.
-        out: the study's folder.
-
-    Raises:
-        InputError: the file in `out` cannot be read or written.
+    Attributes:
+        scores: by the evaluation's key.
     """
-    files = PlainFolder(out)
-    known = _read(files)
-    for run in runs:
-        for point in incumbents(run) if not run.task_changes else []:
-            evaluation = point.record.evaluation
-            if evaluation.key in known or not evaluation.artifact:
-                continue
-            score = _again(run, point)
+
+    def __init__(self, out: Path) -> None:
+        """Read what is known.
+
+        Args:
+            out: the study's folder, which may be missing.
+
+        Raises:
+            InputError: what is kept there cannot be read.
+        """
+        self._files = PlainFolder(out)
+        self._lock = threading.Lock()
+        self.scores = _read(self._files)
+
+    def add(self, run: Run, begin: Callable[[int], None] = lambda count: None) -> None:
+        """Measure what was the best so far in a run's search, unless it is known.
+
+        An evaluation without a policy is left out: nothing of it can be measured.
+
+        Args:
+            run: a finished run.
+            begin: is told how many policies are measured, if there is one.
+
+        Raises:
+            InputError: the scores cannot be written.
+        """
+        best = {e.key: e for point in incumbents(run) for e in point.leader}
+        new = [e for e in best.values() if e.key not in self.scores and e.artifact]
+        if run.task_changes:
+            new = []
+        if new:
+            begin(len(new))
+        for evaluation in new:
+            score = _again(run, evaluation)
             if score is not None:
-                known[evaluation.key] = score
-                _write(files, known)
-    return known
+                with self._lock:
+                    self.scores[evaluation.key] = score
+                    _write(self._files, self.scores)
+        if lost := [key for key in best if key not in self.scores]:
+            log.warning(
+                "%s is left out of the curves: %s cannot be measured again",
+                run.folder.name,
+                ", ".join(lost),
+            )
 
 
-def _again(run: Run, point: Point) -> float | None:
-    evaluation = point.record.evaluation
+def _keys(point: Point) -> list[str]:
+    return [evaluation.key for evaluation in point.leader]
+
+
+def _again(run: Run, evaluation: Evaluation) -> float | None:
     job = evaluation.job
     try:
         found = measure(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from statistics import fmean
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 Draw = Callable[["Axes | None"], "Axes"]
 """Draws one figure on the given axes, or on new ones."""
 
+
+_MOST_NAMES = 3
+"""Of runs that a sentence names."""
 
 PROPOSED = {
     "method_options": {"screening": "none", "reference_reward": "out", "slim_reference": "out"}
@@ -94,6 +97,22 @@ class Cell:
         return search, final_stage(self.settings.final).steps
 
 
+@dataclass(frozen=True, slots=True)
+class SeedScores:
+    """What finals with one run seed measured of a design.
+
+    Attributes:
+        seed: of the run.
+        values: what it was worth; one number, or one for each training.
+        trainings: keys of the evaluations behind them. Two arms that answer alike with one seed
+            have the very same ones.
+    """
+
+    seed: int
+    values: tuple[float, ...]
+    trainings: frozenset[str] = frozenset()
+
+
 @dataclass(frozen=True)
 class Results:
     """The runs of a study.
@@ -102,10 +121,12 @@ class Results:
         cells: each cell with its run, which may have found nothing.
         again: scores of designs that were once the best so far of a search, by the evaluation's
             key, measured again (`robomore.studies.remeasured`).
+        others: names of the runs in the study's folder that are not among the cells.
     """
 
     cells: tuple[tuple[Cell, Run], ...]
     again: Mapping[str, float] = field(default_factory=dict)
+    others: tuple[str, ...] = ()
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -142,23 +163,40 @@ class Results:
         It is the search's own answer, trained anew, and not the champion: the champion may be one
         of the final's other pairs, which every method gets for nothing.
         """
-        found = (run.found.score(self.objective) for run in self.runs(task, arm) if run.found)
-        return [measured.mean for measured in found if measured]
+        return [value for one in self.answers(task, arm) for value in one.values]
+
+    def answers(self, task: str, arm: str) -> list[SeedScores]:
+        """Return the score of each run's answer with its seed; runs without one are left out."""
+        found = []
+        for cell, run in self.cells:
+            if (cell.task, cell.arm.name) == (task, arm) and run.found:
+                keys = frozenset(one.key for one in run.found.evaluations)
+                if measured := run.found.score(self.objective):
+                    found.append(SeedScores(cell.seed, (measured.mean,), keys))
+        return found
 
     def reference(self, task: str) -> float | None:
         """Return what the reference design is worth in the finals of all runs of a task."""
-        values = self.references(task)
+        values = [value for one in self.references(task) for value in one.values]
         return fmean(values) if values else None
 
-    def references(self, task: str) -> list[float]:
+    def references(self, task: str) -> list[SeedScores]:
         """Return what the reference design is worth in each of its trainings, in all finals.
 
         Runs with the same seed have the same trainings of it, which count once.
         """
-        designs = [run.reference for run in self.runs(task) if run.reference]
-        once = {e.key: e for design in designs for e in design.evaluations}
-        scores = (one.score(self.objective) for one in once.values())
-        return [score for score in scores if score is not None]
+        known: set[str] = set()
+        found: dict[int, dict[str, float]] = {}
+        for cell, run in self.cells:
+            for one in run.reference.evaluations if cell.task == task and run.reference else ():
+                score = one.score(self.objective)
+                if score is not None and one.key not in known:
+                    found.setdefault(cell.seed, {})[one.key] = score
+                    known.add(one.key)
+        return [
+            SeedScores(seed, tuple(scores.values()), frozenset(scores))
+            for seed, scores in found.items()
+        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,6 +214,8 @@ class Study:
         searched: the task whose search gives the design that is trained in all other tasks; empty
             for a search in each of them.
         whole_grid: whether each search may use as many full trainings as the grid has pairs.
+        curves: whether its figures hold curves of the best so far (`scores.curve_figures`), for
+            which the policies behind them are measured again.
     """
 
     name: str
@@ -187,3 +227,27 @@ class Study:
     change: Mapping[str, Any] = field(default_factory=dict)
     searched: str = ""
     whole_grid: bool = False
+    curves: bool = False
+
+    def told(self, results: Results) -> list[Table]:
+        """Return the tables of the results; where the folder holds more runs, each says so."""
+        left_out = _left_out(results)
+        return [
+            replace(table, note=f"{table.note} {left_out}".strip())
+            for table in self.tables(results)
+        ]
+
+
+def _left_out(results: Results) -> str:
+    """Return which runs the tables cover, where the study's folder holds others; else `""`."""
+    if not results.others:
+        return ""
+    count = len(results.others)
+    named = ", ".join(results.others[:_MOST_NAMES])
+    more = f" and {count - _MOST_NAMES} more" if count > _MOST_NAMES else ""
+    return (
+        f"This table covers only what its call named: {', '.join(results.arms)} on "
+        f"{', '.join(results.tasks)}. Left out {'is' if count == 1 else 'are'} {count} other "
+        f"run{'' if count == 1 else 's'} in the same folder ({named}{more}); a call that names "
+        "those too tells of all, and repeats none."
+    )

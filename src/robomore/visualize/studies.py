@@ -21,6 +21,7 @@ def curves(
     lines: Mapping[str, Sequence[tuple[float, float]]],
     ends: Mapping[str, float],
     name: str,
+    left_out: str = "",
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the best so far of each arm over the training it has spent.
@@ -30,9 +31,12 @@ def curves(
         ends: what each arm's answers were worth when they were trained anew; drawn as a point at
             the end, since the best of many noisy numbers is too good to be true.
         name: of the numbers, with their unit.
+        left_out: which runs are in no line, in words.
         ax: to draw on; new axes by default.
     """
     ax = axes_for(ax)
+    if left_out:
+        ax.set_title(left_out, fontsize="small", loc="left", wrap=True)
     for number, (arm, line) in enumerate(lines.items()):
         steps, best = zip(*line, strict=True)
         style = STYLES[number // COLOURS % len(STYLES)]
@@ -55,6 +59,7 @@ def curves(
 def intervals(
     shown: Mapping[str, tuple[float, tuple[float, float] | None]],
     name: str,
+    base: str,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw a point for each arm, and a line for its interval.
@@ -62,6 +67,7 @@ def intervals(
     Args:
         shown: point and interval of each arm; no interval where there are too few runs for one.
         name: of the numbers.
+        base: what the line at 1 stands for.
         ax: to draw on; new axes by default.
     """
     ax = axes_for(ax)
@@ -71,8 +77,9 @@ def intervals(
         ax.plot(point, row, "o", color=CHAMPION)
     ax.set_yticks(range(len(shown)), list(shown))
     ax.invert_yaxis()
-    ax.axvline(1, color="black", linewidth=0.8, linestyle="--")
+    ax.axvline(1, color="black", linewidth=0.8, linestyle="--", label=base)
     ax.set(xlabel=name)
+    ax.legend(fontsize="small")
     return ax
 
 
