@@ -232,6 +232,15 @@ def test_few_seeds_have_no_ratio_in_the_headline_and_show_their_values(tmp_path:
     assert "95 % interval" not in text
 
 
+def test_a_headline_without_an_interval_says_why(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    three = (20.0, 21.0, 22.0)
+    run.final(run.coarse(), three, three, three, three)
+    text = in_words(render(load_run(tmp_path)))
+    assert f"{TIMES} the reference design" in text
+    assert "No interval: 3 seeds, and it takes 5." in text
+
+
 def test_behaviour_is_labelled_with_units_and_called_a_mean(page: str) -> None:
     text = in_words(page)
     assert "How it moves: means over 5 training seeds forward distance (m) 13.00" in text

@@ -84,6 +84,17 @@ def test_seeds_that_failed_carry_no_headline(
     assert row["final_seeds"] == (5 - failed if side == "champion" else 5)
 
 
+@pytest.mark.parametrize(("worst", "shown"), [(-0.5, False), (0.0, False), (0.01, True)])
+def test_a_reference_that_may_be_zero_makes_no_headline(
+    tmp_path: Path, worst: float, shown: bool
+) -> None:
+    run = FakeRun(tmp_path)
+    run.final(run.coarse(), reference=(worst, 0.1, 0.6, 0.7, 0.05))
+    found = load_run(tmp_path)
+    assert found.ratio is not None
+    assert (found.headline is not None) is shown
+
+
 def test_the_smoke_preset_has_no_headline_with_any_number_of_seeds(tmp_path: Path) -> None:
     run = FakeRun(tmp_path, preset="smoke-final-seeds5")
     run.final(run.coarse())

@@ -70,6 +70,25 @@ def test_few_seeds_and_luck_are_named(tmp_path: Path) -> None:
     assert "partly luck" in found
 
 
+@pytest.mark.parametrize(
+    ("steps", "words"),
+    [
+        (1_000, "both after 1,000 control steps: the best of many noisy numbers is partly luck."),
+        (4_000, "is partly luck, and part of that luck is hidden by the longer training."),
+        (500, "is partly luck, and the shorter training may be the other part."),
+    ],
+)
+def test_luck_is_told_with_both_numbers_of_steps(tmp_path: Path, steps: int, words: str) -> None:
+    final = replace(SETTINGS.final, steps=steps)
+    run = FakeRun(tmp_path, settings=replace(SETTINGS, final=final))
+    run.final(run.fine(run.coarse()), found=(2.0,) * 5)
+    found = said(tmp_path)
+    assert words in found
+    if steps != 1_000:
+        assert "after 1,000 control steps, training anew" in found
+        assert f"after {steps:,}: " in found
+
+
 def test_an_improvement_is_no_luck(tmp_path: Path) -> None:
     run = FakeRun(tmp_path, settings=replace(SETTINGS, objective="fitness"))
     design = Design(run.morphology(0.5), run.reward(1.0))
@@ -82,6 +101,14 @@ def test_a_reference_that_gets_nowhere_is_named(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     run.final(run.coarse(), reference=(-1.0, 0.0, -0.5, -0.2, 0.1))
     assert "did not get anywhere at this budget" in said(tmp_path)
+
+
+def test_a_training_of_the_reference_that_gets_nowhere_is_named(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path)
+    run.final(run.coarse(), reference=(-0.5, 0.1, 0.6, -0.1, 0.05))
+    found = said(tmp_path)
+    assert "2 of 5 trainings of the reference design did not get anywhere" in found
+    assert "did not get anywhere at this budget" not in found
 
 
 def test_the_smoke_preset_is_named(tmp_path: Path) -> None:

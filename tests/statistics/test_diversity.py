@@ -50,6 +50,13 @@ def test_variation_is_the_mean_over_columns() -> None:
         coefficient_of_variation(rows[:1])
 
 
+def test_a_mean_that_is_0_but_for_rounding_has_no_variation() -> None:
+    rows = [[0.1, 1.0], [0.2, 1.1], [-0.3, 0.9]]  # 0.1 + 0.2 - 0.3 is not 0
+    assert coefficient_of_variation(rows) == pytest.approx(0.1)
+    with pytest.raises(ValueError, match="no column"):
+        coefficient_of_variation([row[:1] for row in rows])
+
+
 def test_who_is_beaten_by_nobody() -> None:
     points = [(3, 1), (2, 2), (1, 3), (1, 2), (2, 2)]
     assert nondominated(points) == [True, True, True, False, True]

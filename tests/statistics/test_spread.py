@@ -103,6 +103,28 @@ def test_a_ratio_whose_base_may_be_nothing_has_no_interval() -> None:
     assert found.interval is None
 
 
+@pytest.mark.parametrize(
+    ("above", "below", "told"),
+    [
+        ([10.0, 11.0, 12.0], [0.2, 2.0, 0.5], "12.2 (no interval: 3 seeds, and it takes 5)"),
+        ([10.0], [2.0], "5.00 (no interval: 1 seed, and it takes 5)"),
+        ([10.0] * 4, [2.0] * 5, "5.00 (no interval: 4 seeds over 5, and it takes 5 of each)"),
+        (
+            [3.0, 4.0, 5.0, 4.0, 3.5],
+            [-0.5, 0.1, 0.6, -0.1, 0.05],
+            "130 (no interval: the reference may be 0)",
+        ),
+        ([-1.0] * 5, [2.0] * 5, "-0.500 (no interval: the ratio is not positive)"),
+    ],
+)
+def test_a_ratio_without_an_interval_says_why_and_shows_no_side_alone(
+    above: list[float], below: list[float], told: str
+) -> None:
+    found = ratio(above, below)
+    assert found is not None
+    assert with_interval(found, digits=3) == told
+
+
 def test_a_mean_is_told_with_its_interval_or_with_its_values() -> None:
     assert with_interval(spread([3.0]), "m") == "3.000 m (1 seed)"
     assert with_interval(spread([3.0, 4.0]), "m") == "3.500 m (seeds: 3.00, 4.00)"

@@ -83,3 +83,25 @@ def _print(runs: tuple[Run, ...]) -> None:
             duration(run.cost.core_seconds),
         )
     screen.print(table)
+    asked = _asked(runs)
+    for said, names in asked.items():
+        screen.print(f"{'each run' if len(asked) == 1 else ', '.join(names)}: {said}")
+    if len(asked) > 1:
+        screen.print(
+            "These runs were not asked for the same: compare only those of one line.",
+            style="yellow",
+        )
+
+
+def _asked(runs: tuple[Run, ...]) -> dict[str, list[str]]:
+    """Return names of runs by what their numbers hang on: objective, steps and final."""
+    found: dict[str, list[str]] = {}
+    for run in runs:
+        settings = run.manifest.settings
+        seeds, final = settings.final.seeds, f"{settings.final.steps:,} steps"
+        said = (
+            f"{run.objective}, trainings of {settings.candidate.steps:,} steps; final of {seeds} "
+            f"seed{'s' if seeds != 1 else ''}, {final}"
+        )
+        found.setdefault(said, []).append(run.folder.name)
+    return found

@@ -24,9 +24,10 @@ class Comparison:
 
         Units: fitness as the task says (`Run.fitness_unit`), volume m³, energy J, efficiency that
         of fitness over m³. `found` is what the search answered, trained anew. Methods are compared
-        by it and by `found_ratio`, that over the reference. `ratio` is champion over reference: the
-        champion is the best of all pairs of the final, so that more pairs have more luck. A ratio
-        has its 95 % interval where there are seeds enough for one.
+        by it and by `found_ratio`, that over the reference, where they have the same objective and
+        steps of each training (`training_steps`, `final_training_steps`). `ratio` is champion over
+        reference: the champion is the best of all pairs of the final, so that more pairs have more
+        luck. A ratio has its 95 % interval where there are seeds enough for one.
         """
         return [_row(run) for run in self.runs]
 
@@ -58,6 +59,9 @@ def _row(run: Run) -> Row:
         "seed": manifest.seed,
         "finished": run.final,
         "objective": run.objective,
+        "training_steps": manifest.settings.candidate.steps,
+        "final_training_steps": manifest.settings.final.steps,
+        "final_seeds_asked": manifest.settings.final.seeds,
         "champion": _mean(champion.score(run.objective) if champion else None),
         "found": _mean(run.found.score(run.objective) if run.found else None),
         "reference": _mean(reference.score(run.objective) if reference else None),

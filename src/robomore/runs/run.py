@@ -156,8 +156,11 @@ class Run:
         if not self.final or self.champion_role == "reference" or self.is_smoke:
             return None
         sides = [one for one in (self.champion, self.reference) if one is not None]
-        fewest = min(len(one.trained) for one in sides)
-        return self.ratio if fewest >= FEWEST_FOR_HEADLINE else None
+        if min(len(one.trained) for one in sides) < FEWEST_FOR_HEADLINE:
+            return None
+        base = self.reference.score(self.objective) if self.reference else None
+        # What is divided by a reference that may be worth nothing can be any number.
+        return self.ratio if base and min(base.values) > 0 else None
 
     @cached_property
     def pairs(self) -> Pairs | None:

@@ -20,7 +20,8 @@ STEEL = 7850.0
 _NAMED = 3
 """Empty slots that are named."""
 _WINNERS_CURSE = 0.7
-"""Trained anew below this share of what the search saw, the search was lucky."""
+"""Trained anew below this share of what the search saw, the search was lucky; after a longer
+training all the more, so that nothing is said of luck which the longer training makes up for."""
 
 
 def warnings_about(run: Run) -> tuple[str, ...]:
@@ -103,10 +104,19 @@ def _about_training_anew(run: Run) -> list[str]:
     seen = best.score(run.objective) if best else None
     if measured is None or not seen or seen < 0 or measured.mean >= _WINNERS_CURSE * seen:
         return []
-    return [
-        f"The search saw {in_unit(seen, run.objective, run.fitness_unit)}, training anew gave "
-        f"{number(measured.mean)}: the best of many noisy numbers is partly luck."
-    ]
+    settings = run.manifest.settings
+    search, final = settings.candidate.steps, settings.final.steps
+    saw = f"The search saw {in_unit(seen, run.objective, run.fitness_unit)}"
+    anew = f"training anew gave {number(measured.mean)}"
+    luck = "the best of many noisy numbers is partly luck"
+    if final == search:
+        return [f"{saw}, {anew}, both after {search:,} control steps: {luck}."]
+    other = (
+        "part of that luck is hidden by the longer training"
+        if final > search
+        else "the shorter training may be the other part"
+    )
+    return [f"{saw} after {search:,} control steps, {anew} after {final:,}: {luck}, and {other}."]
 
 
 def _about_fitness(run: Run) -> list[str]:
@@ -121,10 +131,18 @@ def _about_fitness(run: Run) -> list[str]:
             f"{in_unit(reference.fitness.mean, 'fitness', run.fitness_unit)} of the reference "
             "design; its efficiency comes from the small volume."
         )
+    trained = reference.fitness.values
+    nowhere = sum(value <= 0 for value in trained)
     if reference.fitness.mean <= 0:
         said.append(
             "The reference design did not get anywhere at this budget, so no ratio is given; "
             "train longer for a fair comparison."
+        )
+    elif nowhere:
+        said.append(
+            f"{nowhere} of {len(trained)} trainings of the reference design did not get anywhere "
+            "at all (a fitness of 0 or less): what is divided by their mean can be any number, so "
+            "no ratio is a headline; train longer for a fair comparison."
         )
     return said
 

@@ -53,13 +53,16 @@ def with_interval(measured: Spread, unit: str = "", digits: int = 4) -> str:
     """Return a mean as it is told everywhere: with its interval, or with all its values.
 
     `14.9 m (95 % interval 13.2 to 16.9, 5 seeds)`, or `14.9 m (seeds: 13.2, 16.6)` where there are
-    too few seeds for an interval.
+    too few seeds for an interval. A ratio has two sides, so that values of one of them would look
+    like a spread that it does not have: `12.2 (no interval: 3 seeds, and it takes 5)`.
     """
     text = number(measured.mean, digits) + (f" {unit}" if unit else "")
     count = len(measured.values)
     if measured.interval is not None:
         low, high = (number(end, 3) for end in measured.interval)
         return f"{text} (95 % interval {low} to {high}, {count} seeds)"
+    if measured.withheld:
+        return f"{text} (no interval: {measured.withheld})"
     if count == 1:
         return f"{text} (1 seed)"
     return f"{text} (seeds: {', '.join(number(value, 3) for value in measured.values)})"

@@ -11,13 +11,16 @@ from statistics import fmean, stdev
 _TOKEN = re.compile(r"\w+|[^\w\s]")
 _COMMENT = re.compile(r"#.*")
 _ORDER = 4
+_ROUNDING = 1e-9
+"""A mean this small beside the column's largest value is 0 but for rounding."""
 
 
 def coefficient_of_variation(rows: Sequence[Sequence[float]]) -> float:
     """Return the standard deviation over the size of the mean, averaged over the columns.
 
-    The paper measures the diversity of morphologies by it (its Table 3). Columns whose mean is 0
-    have none and are left out.
+    The paper measures the diversity of morphologies by it (its Table 3). It takes columns that have
+    one sign: where a mean is near 0, that column decides alone, by how near. Columns whose mean is
+    0, but for rounding, have none and are left out.
 
     Args:
         rows: parameters of each morphology, at least two rows.
@@ -28,7 +31,11 @@ def coefficient_of_variation(rows: Sequence[Sequence[float]]) -> float:
     if len(rows) < 2:
         raise ValueError("a variation needs at least two rows")
     columns = list(zip(*rows, strict=True))
-    found = [stdev(column) / abs(mean) for column in columns if (mean := fmean(column))]
+    found = [
+        stdev(column) / abs(mean)
+        for column in columns
+        if abs(mean := fmean(column)) > _ROUNDING * max(map(abs, column))
+    ]
     if not found:
         raise ValueError("no column has a mean other than 0")
     return fmean(found)

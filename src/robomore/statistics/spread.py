@@ -20,11 +20,14 @@ class Spread:
         values: one for each seed.
         mean: of the values; for a ratio the ratio of the means.
         interval: 95 % interval of the mean; `None` for fewer than five values.
+        withheld: why a ratio has no interval; else empty. The values of a ratio hold the spread of
+            one side alone, so that they say nothing in its place.
     """
 
     values: tuple[float, ...]
     mean: float
     interval: tuple[float, float] | None
+    withheld: str = ""
 
 
 def spread(values: Sequence[float]) -> Spread:
@@ -55,13 +58,14 @@ def ratio(above: Sequence[float], below: Sequence[float]) -> Spread | None:
         `values` holds each of `above` over the mean of `below`. `None` where the ratio means
         nothing: one side is empty, or `below` has a mean that is not positive. The interval is that
         of the logarithm by Welch's t, and `None` with fewer than five values on one side, and where
-        a value of `below` or the mean of `above` is not positive.
+        a value of `below` or the mean of `above` is not positive; `withheld` says which.
     """
     if not above or not below or fmean(below) <= 0:
         return None
     base, found = fmean(below), fmean(above) / fmean(below)
     interval = None
-    if min(len(above), len(below)) >= FEWEST and min(below) > 0 and found > 0:
+    withheld = _withheld(above, below)
+    if not withheld:
         parts = [_squared_error(side) / fmean(side) ** 2 for side in (above, below)]
         degrees = [len(side) - 1 for side in (above, below)]
         weights = sum(part**2 / count for part, count in zip(parts, degrees, strict=True))
@@ -69,7 +73,22 @@ def ratio(above: Sequence[float], below: Sequence[float]) -> Spread | None:
         if weights > 0:
             factor = math.exp(_t(sum(parts) ** 2 / weights) * math.sqrt(sum(parts)))
         interval = found / factor, found * factor
-    return Spread(tuple(value / base for value in above), found, interval)
+    return Spread(tuple(value / base for value in above), found, interval, withheld)
+
+
+def _withheld(above: Sequence[float], below: Sequence[float]) -> str:
+    """Return why the ratio of two means has no interval; empty where it has one."""
+    if min(below) <= 0:
+        return "the reference may be 0"
+    if fmean(above) <= 0:
+        return "the ratio is not positive"
+    counts = len(above), len(below)
+    if min(counts) >= FEWEST:
+        return ""
+    if counts[0] == counts[1]:
+        return f"{counts[0]} seed{'s' if counts[0] > 1 else ''}, and it takes {FEWEST}"
+    one = f"{counts[0]} seed{'s' if counts[0] > 1 else ''} over {counts[1]}"
+    return f"{one}, and it takes {FEWEST} of each"
 
 
 def _squared_error(values: Sequence[float]) -> float:

@@ -95,7 +95,8 @@ def aggregate_table(results: Results, name: str, base: str, bases: Bases) -> Tab
         f"Scores are divided by the mean of the runs of {base} on each task. One lucky run of it "
         "lowers them all, and its own IQM need not be 1. "
         "IQM: the mean of the middle half of all runs. The interval is a stratified bootstrap over "
-        f"the runs of each task, those that are divided by among them, and takes {FEWEST} of each. "
+        "the runs of each task, those that are divided by among them; it takes "
+        f"{FEWEST} of each, and none of the latter at or below 0. "
         "A run whose answer did not train is in none of these numbers but P(beats): there it "
         "loses against every run that trained, and ties with another one."
     )

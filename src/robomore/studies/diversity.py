@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from statistics import fmean
+from statistics import fmean, stdev
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from robomore.statistics import coefficient_of_variation, self_bleu
 from robomore.statistics.diversity import tokens
 from robomore.studies.study import PROPOSED, Arm, Results, Study
 from robomore.studies.table import Entry, Table
+from robomore.tasks import Task
 from robomore.types import Evaluation
 
 GAIT = ("stride_frequency_hz", "joint_amplitude_rad", "ground_contact_share", "forward_speed_m_s")
@@ -26,12 +27,8 @@ def _tables(results: Results) -> list[Table]:
         everyone = [r.evaluation for run in results.runs(task) for r in _first(run)]
         for arm in results.arms:
             runs = [first for run in results.runs(task, arm) if (first := _first(run))]
-            scores = [
-                score
-                for first in runs
-                for record in first
-                if (score := record.evaluation.score(results.objective)) is not None
-            ]
+            asked = [record.evaluation for first in runs for record in first]
+            scores = [s for one in asked if (s := one.score(results.objective)) is not None]
             rows.append(
                 (
                     task,
@@ -39,9 +36,10 @@ def _tables(results: Results) -> list[Table]:
                     fmean(scores) if scores else None,
                     max(scores, default=None),
                     _mean([_variation(first) for first in runs]),
+                    _mean([_deviation(run.task, _first(run)) for run in results.runs(task, arm)]),
                     _mean([_self_bleu(first) for first in runs]),
                     _mean([_behaviour([r.evaluation for r in first], everyone) for first in runs]),
-                    sum(map(len, runs)),
+                    f"{len(scores)} of {len(asked)}",
                 )
             )
     return [
@@ -52,18 +50,24 @@ def _tables(results: Results) -> list[Table]:
                 *("task", "arm", f"mean {results.objective}", f"highest {results.objective}"),
                 *(
                     "variation of morphologies",
+                    "deviation over the search range",
                     "Self-BLEU of rewards",
                     "spread of gaits",
                     "pairs",
                 ),
             ),
             tuple(rows),
-            "Every pair of the grid counts, and so does a proposal that repeats an earlier one. "
-            "Variation: the standard deviation over the mean of each parameter, averaged; more is "
-            "more diverse. Self-BLEU: what rewards share in words, comments left out; less is more "
-            "diverse. Spread of gaits: the mean distance between two pairs in stride, amplitude, "
-            "contact and speed, each divided by its standard deviation over all arms; more is more "
-            "diverse.",
+            "Pairs: those that trained, of all that were tried; pairs that failed are in neither "
+            f"the mean {results.objective} nor the gaits, so that an arm with many of them looks "
+            "better than it is. A proposal that repeats an earlier one counts. Variation, the "
+            "paper's measure: the standard deviation over the mean of each parameter, averaged; "
+            "more is more diverse, but a coordinate whose mean is near 0 decides it alone. "
+            "Deviation over the search range: the standard deviation of each parameter as a "
+            "share of its search range, averaged; more is more diverse, and draws that are uniform "
+            "over the range have 0.29. Self-BLEU: what rewards share in words, comments left out; "
+            "less is more diverse. Spread of gaits: the mean distance between two pairs in stride, "
+            "amplitude, contact and speed, each divided by its standard deviation over all arms; "
+            "more is more diverse.",
         )
     ]
 
@@ -74,8 +78,28 @@ def _first(run: Run) -> list[Record]:
 
 
 def _variation(first: Sequence[Record]) -> float | None:
-    rows = {r.place.index[0]: r.evaluation.design.morphology.parameters for r in first}
-    return coefficient_of_variation(list(rows.values())) if len(rows) > 1 else None
+    rows = _morphologies(first)
+    return coefficient_of_variation(rows) if len(rows) > 1 else None
+
+
+def _deviation(task: Task, first: Sequence[Record]) -> float | None:
+    """Return the standard deviation of each parameter over its search range, averaged.
+
+    A plain share of the range, which counts a proposal beyond it as far as it goes: a logarithm has
+    no place for the negative coordinates and the lengths of 0 that some tasks allow there.
+    """
+    rows = _morphologies(first)
+    if len(rows) < 2:
+        return None
+    widths = [parameter.high - parameter.low for parameter in task.searched().parameters]
+    columns = zip(*rows, strict=True)
+    return fmean(stdev(column) / width for column, width in zip(columns, widths, strict=True))
+
+
+def _morphologies(first: Sequence[Record]) -> list[tuple[float, ...]]:
+    return list(
+        {r.place.index[0]: r.evaluation.design.morphology.parameters for r in first}.values()
+    )
 
 
 def _self_bleu(first: Sequence[Record]) -> float | None:

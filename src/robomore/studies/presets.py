@@ -34,7 +34,7 @@ def smoke() -> Scale:
 
 
 def quick() -> Scale:
-    """Twelve arms on two tasks with three seeds in about two hours of two cores."""
+    """Fourteen arms on two tasks with three seeds in about two hours of two cores."""
     settings = with_options(
         preset("quick"),
         method_options={"morphologies": 3, "rewards": 2, "max_cycles": 2, "patience": 2},

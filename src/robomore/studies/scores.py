@@ -78,9 +78,9 @@ def found_table(results: Results) -> Table:
         tuple(rows),
         "Each run's answer is trained anew with other seeds, and stands by the mean of those "
         "trainings that did not fail; a run without any is left out. "
-        "IQM: the mean of the middle half of the runs; its interval is a bootstrap over them, and "
-        f"takes {FEWEST}. All arms had the same budget at most; one that ended early, or whose "
-        "method needs less, has fewer search steps.",
+        "IQM: the mean of the middle half of the runs (of three or fewer, of all); its interval is "
+        f"a bootstrap over them, and takes {FEWEST}. All arms had the same budget at most; "
+        "one that ended early, or whose method needs less, has fewer search steps.",
     )
 
 

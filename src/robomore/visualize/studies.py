@@ -47,7 +47,7 @@ def curves(
     if min([*positive, *ends.values()]) > 0:
         ax.set_yscale("log")
     ax.set(
-        xlabel="control steps of training in the search (point: trained anew)",
+        xlabel="control steps of training in the search (point: trained anew by the final)",
         ylabel=f"best so far, measured again: {name}",
     )
     ax.locator_params(axis="x", nbins=5)
