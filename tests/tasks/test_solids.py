@@ -36,6 +36,54 @@ def test_equal_legs_are_one_solid_with_a_count() -> None:
     assert [one.count for one in legs] == [4, 4, 4]
 
 
+@pytest.mark.parametrize(
+    ("sizes", "merged"),
+    [
+        (("{min(a, b)} 1", "{a} 1"), 0),
+        (("{max(a, b)} 1", "{b} 1"), 0),
+        (("{a} {0.5 + abs(b - a)}", "{a} {0.5 + b - a}"), 0),
+        (("{a} {0.5 + sqrt((b - a)**2)}", "{a} {0.5 + b - a}"), 0),
+        (("{a} {0.5 + ((b - a)**2)**0.5}", "{a} {0.5 + b - a}"), 0),
+        # Names that follow one another in the alphabet are no row of equal steps.
+        (("{a} {1 + b - a}", "{a} {1 + c - b}"), 0),
+        (("{a} {sin(b)**2 + cos(b)**2}", "{a} 1"), 1),
+        (("{a} {(b + c)**2}", "{a} {b**2 + 2*b*c + c**2}"), 1),
+    ],
+)
+def test_capsules_are_one_where_they_are_equal_whatever_the_parameters(
+    sizes: tuple[str, ...], merged: int
+) -> None:
+    geoms = "".join(f'<geom type="capsule" size="{size}"/>' for size in sizes)
+    template = f"<mujoco><worldbody><body>{geoms}</body></worldbody></mujoco>"
+    for values in ({"a": 0.3, "b": 0.2, "c": 0.6}, {"a": 0.1, "b": 0.5, "c": 0.2}):
+        found = solids(template, values)
+        assert len(found) == len(sizes) - merged
+        radii, halves = zip(*(map(float, fill(one, values).split()) for one in sizes), strict=True)
+        by_hand = [Capsule(r, 2 * h).volume for r, h in zip(radii, halves, strict=True)]
+        assert sum(one.volume for one in found) == pytest.approx(sum(by_hand))
+
+
+def test_a_link_that_is_as_thick_as_the_thinner_of_two_has_its_own_volume() -> None:
+    swimmer = get_task("swimmer")
+    template = swimmer.template
+    for own, other in (
+        ("{-back_length}", "{-middle_length}"),
+        ("{middle_radius}", "{min(middle_radius, front_radius)}"),
+        ("{back_radius}", "{front_radius}"),
+    ):
+        assert own in template
+        template = template.replace(own, other)
+    parameters = tuple(p for p in swimmer.parameters if not p.name.startswith("back"))
+    task = replace(
+        swimmer, id="eel", template=template, parameters=parameters, rules=(), search_rules=()
+    )
+    thin = dict(zip(task.names, task.reference, strict=True))
+    thin |= {"front_radius": 0.2, "middle_radius": 0.05}
+    compiled = model_volume(compile_model(task, thin))
+    assert compiled == pytest.approx(0.3267, abs=1e-4)
+    assert task.volume(thin) == pytest.approx(compiled)
+
+
 def test_every_kind_of_solid_with_defaults_by_class() -> None:
     template = """<mujoco>
       <default><geom type="box" size="1 2 3"/>
