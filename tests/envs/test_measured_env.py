@@ -10,7 +10,7 @@ import pytest
 
 from robomore.envs.measured_env import MeasuredEnv, Motion, angle_between, stride
 from robomore.envs.vector_env import VectorEnv
-from robomore.tasks import get_task
+from robomore.tasks import Fitness, get_task
 
 
 def driven(env: VectorEnv, steps: int) -> np.ndarray:
@@ -126,3 +126,63 @@ def test_drift_turn_and_saturation_are_measured() -> None:
     assert planar.drift is None and planar.turn is None
     assert planar.saturation == pytest.approx(1 / 3)
     assert angle_between(3.0, -3.0) == pytest.approx(2 * np.pi - 6)
+
+
+def thrown(fitness: str | Fitness, before: dict[int, float], speed: dict[int, float]) -> Motion:
+    """Return the motion of an Ant-Jump that is moved in its second step and thrown in its third."""
+    task = replace(get_task("ant-jump"), episode_steps=3, fitness=fitness)
+    env = MeasuredEnv(task, task.reference, 1)
+    env.reset_one(0, 0)
+    env.step(np.zeros((1, 8)))
+    for index, value in before.items():
+        env.data[0].qpos[index] = value
+    env.step(np.zeros((1, 8)))
+    for index, value in speed.items():
+        env.data[0].qvel[index] = value
+    env.step(np.zeros((1, 8)))
+    return env.motions[0]
+
+
+START, NOISE = 0.716, 0.101
+"""Height of an Ant's torso when an episode starts, and how far noise moves it, in m."""
+
+
+@pytest.mark.parametrize(
+    ("fitness", "worth"),
+    [
+        ("distance", 0.0),
+        ("height", START),
+        ("terrain-covered", 0.0),
+        ("height-climbed", 0.0),
+        ("time-upright", 0.05),
+        ("transport-economy", 0.0),
+        (Fitness.of("speed-kept", speed=1.0), 0.0),
+        (Fitness.of("target-reached", target=(9.0, 0.0), radius=1.0), 0.0),
+        (Fitness.of("path-followed", path=[(0.0, 0.0), (90.0, 0.0)], width=5.0), 0.0),
+        (Fitness.sum((1.0, "distance"), (-1.0, "energy")), 0.0),
+        (Fitness.own(lambda seen: seen.qpos[1:, 0].max(), unit="m", meaning="how far"), 0.0),
+    ],
+)
+def test_whatever_was_before_a_blow_up_is_not_paid_for(
+    fitness: str | Fitness, worth: float
+) -> None:
+    motion = thrown(fitness, {0: 9.0, 2: 90.0}, {0: 1e9})
+    assert motion.fall == "diverged"
+    # One step in which nothing moves; a path that begins at 0 is followed as far as noise goes.
+    assert motion.fitness == pytest.approx(worth, abs=NOISE)
+    assert motion.distance == 0 and motion.highest == pytest.approx(START, abs=NOISE)
+    # What is put there without an end of that kind counts.
+    kept = thrown("height", {0: 9.0, 2: 90.0}, {})
+    assert kept.fall == "" and kept.fitness == kept.highest == pytest.approx(90, abs=0.5)
+    assert kept.distance == pytest.approx(9, abs=0.2)
+
+
+def test_the_throw_that_ends_an_episode_is_not_paid_for() -> None:
+    motion = thrown("height", {0: 5.0, 2: 20.0}, {0: 9e5, 2: 9e5})
+    assert motion.fall == "too_high"
+    assert motion.fitness == motion.highest == pytest.approx(20, abs=0.5)
+    assert motion.distance == pytest.approx(5, abs=0.2)
+    # In the first step of an episode, too, which leaves nothing but the start.
+    at_once = ended("ant-jump", {2: 500.0})
+    assert at_once.fall == "too_high"
+    assert at_once.fitness == pytest.approx(START, abs=NOISE) and at_once.distance == 0
