@@ -48,20 +48,51 @@ def test_an_episode_of_a_swimmer_costs_energy_and_touches_nothing() -> None:
     assert env.motions[4].energy == 0
 
 
-def test_the_work_of_a_motor_is_the_energy_of_what_it_turns() -> None:
-    """From rest, without friction and gravity, all work of one push becomes kinetic energy."""
+@pytest.fixture
+def weightless() -> MeasuredEnv:
+    """A swimmer at rest in no fluid, where all work of its motors becomes kinetic energy."""
     task = get_task("swimmer")
     env = MeasuredEnv(task, task.reference, 1)
     env.reset_one(0, 0)
     env.model.opt.density = env.model.opt.viscosity = 0
     env.model.dof_armature[:] = env.model.dof_damping[:] = 0
-    data = env.data[0]
-    data.qvel[:] = 0
-    for _ in range(5):
-        env.step(np.array([[0.2, 0.0]]))
     env.model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
-    mujoco.mj_forward(env.model, data)
-    assert sum(env._energy[0]) == pytest.approx(data.energy[1], rel=0.05)
+    env.data[0].qvel[:] = 0
+    return env
+
+
+def kinetic(env: MeasuredEnv) -> float:
+    mujoco.mj_forward(env.model, env.data[0])
+    return float(env.data[0].energy[1])
+
+
+def test_the_work_of_a_motor_is_the_energy_of_what_it_turns(weightless: MeasuredEnv) -> None:
+    for _ in range(5):
+        weightless.step(np.array([[0.2, 0.0]]))
+    assert sum(weightless._energy[0]) == pytest.approx(kinetic(weightless), rel=0.05)
+
+
+def test_braking_costs_as_much_as_driving(weightless: MeasuredEnv) -> None:
+    for _ in range(5):
+        weightless.step(np.array([[0.2, 0.0]]))
+    most = kinetic(weightless)
+    for _ in range(5):
+        weightless.step(np.array([[-0.2, 0.0]]))
+    assert kinetic(weightless) < 0.02 * most, "it rests again"
+    assert sum(weightless._energy[0]) == pytest.approx(2 * most, rel=0.05)
+
+
+def test_motors_that_work_against_each_other_both_cost(weightless: MeasuredEnv) -> None:
+    """One drives and the other one brakes, so that hardly any is won or lost on the whole."""
+    model, data = weightless.model, weightless.data[0]
+    front, back = (model.jnt_dofadr[model.actuator_trnid[motor, 0]] for motor in range(2))
+    data.qvel[front], data.qvel[back] = 2.0, 2.0
+    before = kinetic(weightless)
+    weightless.step(np.array([[0.02, -0.02]]))
+    gear, time = float(model.actuator_gear[0, 0]), float(weightless.environment.dt)
+    one = 0.02 * gear * 2.0 * time
+    assert abs(kinetic(weightless) - before) < 0.3 * one
+    assert weightless._energy[0][0] == pytest.approx(2 * one, rel=0.1)
 
 
 def test_a_robot_that_stands_touches_the_ground() -> None:
