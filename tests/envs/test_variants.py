@@ -47,6 +47,8 @@ def test_each_rough_ground_is_the_paper_s(id: str, figures: tuple[float, float, 
     field = model.hfield_data.reshape(cells)[:-1, :-1].astype(float)
     assert terrain.half_correlation(field) == pytest.approx(correlation, rel=0.05)
     assert terrain.rms_slope(field, 1.5) == pytest.approx(slope, rel=0.03)
+    assert field.min() >= 0 and field.max() <= 1
+    assert field.std() == pytest.approx(46 / 255, rel=0.02)
     assert field.mean() == pytest.approx(120 / 255, rel=0.01)
     assert frictions(model) == {friction}
 
