@@ -7,14 +7,20 @@ from dataclasses import replace
 
 import pytest
 
+from paper import PAPER
 from robomore.envs.compile import compile_model, model_volume
 from robomore.errors import InputError
 from robomore.tasks import TASKS, Capsule, get_task
 from robomore.tasks.solids import solids
 from robomore.tasks.template import fill
 
+ANT = 0.18217601654147828
+
 VOLUMES = {
-    "ant": 0.18217601654147828,
+    "ant": ANT,
+    "ant-powered": ANT,
+    "ant-desert": ANT,
+    "ant-jump": ANT,
     "hopper": 0.015820013405927,
     "half-cheetah": 0.021183722813025697,
     "swimmer": 0.10681415022205296,
@@ -25,6 +31,7 @@ VOLUMES = {
 
 @pytest.mark.parametrize("id", VOLUMES)
 def test_the_figures_of_the_paper_s_tasks(id: str) -> None:
+    assert list(VOLUMES) == PAPER
     task = get_task(id)
     assert task.volume(task.reference) == pytest.approx(VOLUMES[id], rel=1e-14)
     assert model_volume(compile_model(task, task.reference)) == pytest.approx(VOLUMES[id])

@@ -13,7 +13,6 @@ import pytest
 
 from robomore.envs.compile import compile_model
 from robomore.tasks import Task, get_task
-from robomore.tasks.registry import PAPER_TASKS
 from robomore.tasks.template import fill, names_used
 
 OFFICIAL = {
@@ -49,12 +48,6 @@ def pair(id: str) -> tuple[mujoco.MjModel, mujoco.MjModel]:
     theirs = mujoco.MjModel.from_xml_path(str(ASSETS / OFFICIAL[id]))
     task = get_task(id)
     return theirs, compile_model(task, task.reference)
-
-
-@pytest.fixture(params=PAPER_TASKS, ids=lambda task: task.id)
-def task(request: pytest.FixtureRequest) -> Task:
-    chosen: Task = request.param
-    return chosen
 
 
 @pytest.mark.parametrize("id", ["hopper", "swimmer", "walker", "ant"])
