@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import mujoco
 import pytest
 
 from paper import PAPER
@@ -104,6 +105,16 @@ def test_every_kind_of_solid_with_defaults_by_class() -> None:
     template = template.replace('class="main"', 'type="box" size="1 2 3"')
     found = [one.volume for one in solids(template, {"r": 0.1}, {"m": 10.0})]
     assert found == pytest.approx([math.pi * 0.01, 48, 4 / 3 * math.pi, 2.0])
+
+
+@pytest.mark.parametrize("kind", ["capsule", "cylinder", "ellipsoid", "box"])
+@pytest.mark.parametrize("size", ["0.1", "0.1 0.3 0.4"])
+def test_a_solid_between_two_ends_has_its_volume_in_mujoco(kind: str, size: str) -> None:
+    geom = f'<geom type="{kind}" fromto="0 0 0 0 0.6 0.8" size="{size}"/>'
+    template = f"<mujoco><worldbody><body>{geom}</body></worldbody></mujoco>"
+    (solid,) = solids(template, {})
+    compiled = mujoco.MjModel.from_xml_string(template)
+    assert solid.volume == pytest.approx(model_volume(compiled))
 
 
 def test_code_in_a_template_is_refused() -> None:

@@ -26,6 +26,8 @@ _SCOPE = {**FUNCTIONS, "__builtins__": {}}
 _ANALYTIC = ("sin", "cos")
 """Of the functions of a template, those without kinks and edges."""
 
+_THREE_SIZES = ("box", "ellipsoid")
+
 _PROBES = 3
 """Points at which the sizes of capsules are compared."""
 
@@ -50,7 +52,9 @@ class _Geom:
         size = list(eval(self.sizes, dict(_SCOPE), values))
         if self.has_ends:
             points = size[-6:]
-            size = [size[0], math.dist(points[:3], points[3:]) / 2]
+            half = math.dist(points[:3], points[3:]) / 2
+            # As MuJoCo reads it, whatever other sizes there are.
+            size = [size[0], size[0], half] if self.kind in _THREE_SIZES else [size[0], half]
         if self.kind == "sphere":
             return Sphere(size[0])
         if self.kind == "capsule":
