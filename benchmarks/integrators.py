@@ -64,7 +64,8 @@ def distances(
     task = get_task(robot)
     variant = Variant(integrator=integrator, timestep_division=division)
     simulations = VariedEnv(task, task.reference, EPISODES, variant)
-    return rollout(policy, simulations, range(EPISODES)).distance
+    rollout(policy, simulations, range(EPISODES))
+    return np.array([simulations.motions[seed].distance for seed in range(EPISODES)])
 
 
 if __name__ == "__main__":

@@ -55,7 +55,7 @@ def test_a_motor_that_pushes_a_site_works() -> None:
 
 
 def test_a_win_at_one_timestep_only() -> None:
-    cheat = timestep.check(still(bouncy_ground(short("ant"), ANT_CHEAT)))
+    cheat = timestep.check(still(bouncy_ground(short("ant-jump", 10), ANT_CHEAT)))
     assert cheat.outcome == "fails"
     assert cheat.numbers["half_the_timestep"] < 0.5 * cheat.numbers["base"]
 

@@ -10,7 +10,7 @@ import pytest
 
 from robomore.envs.measured_env import MeasuredEnv, Motion, angle_between, stride
 from robomore.envs.vector_env import VectorEnv
-from robomore.tasks import get_task
+from robomore.tasks import Fitness, get_task
 
 
 def driven(env: VectorEnv, steps: int) -> np.ndarray:
@@ -48,20 +48,51 @@ def test_an_episode_of_a_swimmer_costs_energy_and_touches_nothing() -> None:
     assert env.motions[4].energy == 0
 
 
-def test_the_work_of_a_motor_is_the_energy_of_what_it_turns() -> None:
-    """From rest, without friction and gravity, all work of one push becomes kinetic energy."""
+@pytest.fixture
+def weightless() -> MeasuredEnv:
+    """A swimmer at rest in no fluid, where all work of its motors becomes kinetic energy."""
     task = get_task("swimmer")
     env = MeasuredEnv(task, task.reference, 1)
     env.reset_one(0, 0)
     env.model.opt.density = env.model.opt.viscosity = 0
     env.model.dof_armature[:] = env.model.dof_damping[:] = 0
-    data = env.data[0]
-    data.qvel[:] = 0
-    for _ in range(5):
-        env.step(np.array([[0.2, 0.0]]))
     env.model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
-    mujoco.mj_forward(env.model, data)
-    assert sum(env._energy[0]) == pytest.approx(data.energy[1], rel=0.05)
+    env.data[0].qvel[:] = 0
+    return env
+
+
+def kinetic(env: MeasuredEnv) -> float:
+    mujoco.mj_forward(env.model, env.data[0])
+    return float(env.data[0].energy[1])
+
+
+def test_the_work_of_a_motor_is_the_energy_of_what_it_turns(weightless: MeasuredEnv) -> None:
+    for _ in range(5):
+        weightless.step(np.array([[0.2, 0.0]]))
+    assert sum(weightless._energy[0]) == pytest.approx(kinetic(weightless), rel=0.05)
+
+
+def test_braking_costs_as_much_as_driving(weightless: MeasuredEnv) -> None:
+    for _ in range(5):
+        weightless.step(np.array([[0.2, 0.0]]))
+    most = kinetic(weightless)
+    for _ in range(5):
+        weightless.step(np.array([[-0.2, 0.0]]))
+    assert kinetic(weightless) < 0.02 * most, "it rests again"
+    assert sum(weightless._energy[0]) == pytest.approx(2 * most, rel=0.05)
+
+
+def test_motors_that_work_against_each_other_both_cost(weightless: MeasuredEnv) -> None:
+    """One drives and the other one brakes, so that hardly any is won or lost on the whole."""
+    model, data = weightless.model, weightless.data[0]
+    front, back = (model.jnt_dofadr[model.actuator_trnid[motor, 0]] for motor in range(2))
+    data.qvel[front], data.qvel[back] = 2.0, 2.0
+    before = kinetic(weightless)
+    weightless.step(np.array([[0.02, -0.02]]))
+    gear, time = float(model.actuator_gear[0, 0]), float(weightless.environment.dt)
+    one = 0.02 * gear * 2.0 * time
+    assert abs(kinetic(weightless) - before) < 0.3 * one
+    assert weightless._energy[0][0] == pytest.approx(2 * one, rel=0.1)
 
 
 def test_a_robot_that_stands_touches_the_ground() -> None:
@@ -126,3 +157,63 @@ def test_drift_turn_and_saturation_are_measured() -> None:
     assert planar.drift is None and planar.turn is None
     assert planar.saturation == pytest.approx(1 / 3)
     assert angle_between(3.0, -3.0) == pytest.approx(2 * np.pi - 6)
+
+
+def thrown(fitness: str | Fitness, before: dict[int, float], speed: dict[int, float]) -> Motion:
+    """Return the motion of an Ant-Jump that is moved in its second step and thrown in its third."""
+    task = replace(get_task("ant-jump"), episode_steps=3, fitness=fitness)
+    env = MeasuredEnv(task, task.reference, 1)
+    env.reset_one(0, 0)
+    env.step(np.zeros((1, 8)))
+    for index, value in before.items():
+        env.data[0].qpos[index] = value
+    env.step(np.zeros((1, 8)))
+    for index, value in speed.items():
+        env.data[0].qvel[index] = value
+    env.step(np.zeros((1, 8)))
+    return env.motions[0]
+
+
+START, NOISE = 0.716, 0.101
+"""Height of an Ant's torso when an episode starts, and how far noise moves it, in m."""
+
+
+@pytest.mark.parametrize(
+    ("fitness", "worth"),
+    [
+        ("distance", 0.0),
+        ("height", START),
+        ("terrain-covered", 0.0),
+        ("height-climbed", 0.0),
+        ("time-upright", 0.05),
+        ("transport-economy", 0.0),
+        (Fitness.of("speed-kept", speed=1.0), 0.0),
+        (Fitness.of("target-reached", target=(9.0, 0.0), radius=1.0), 0.0),
+        (Fitness.of("path-followed", path=[(0.0, 0.0), (90.0, 0.0)], width=5.0), 0.0),
+        (Fitness.sum((1.0, "distance"), (-1.0, "energy")), 0.0),
+        (Fitness.own(lambda seen: seen.qpos[1:, 0].max(), unit="m", meaning="how far"), 0.0),
+    ],
+)
+def test_whatever_was_before_a_blow_up_is_not_paid_for(
+    fitness: str | Fitness, worth: float
+) -> None:
+    motion = thrown(fitness, {0: 9.0, 2: 90.0}, {0: 1e9})
+    assert motion.fall == "diverged"
+    # One step in which nothing moves; a path that begins at 0 is followed as far as noise goes.
+    assert motion.fitness == pytest.approx(worth, abs=NOISE)
+    assert motion.distance == 0 and motion.highest == pytest.approx(START, abs=NOISE)
+    # What is put there without an end of that kind counts.
+    kept = thrown("height", {0: 9.0, 2: 90.0}, {})
+    assert kept.fall == "" and kept.fitness == kept.highest == pytest.approx(90, abs=0.5)
+    assert kept.distance == pytest.approx(9, abs=0.2)
+
+
+def test_the_throw_that_ends_an_episode_is_not_paid_for() -> None:
+    motion = thrown("height", {0: 5.0, 2: 20.0}, {0: 9e5, 2: 9e5})
+    assert motion.fall == "too_high"
+    assert motion.fitness == motion.highest == pytest.approx(20, abs=0.5)
+    assert motion.distance == pytest.approx(5, abs=0.2)
+    # In the first step of an episode, too, which leaves nothing but the start.
+    at_once = ended("ant-jump", {2: 500.0})
+    assert at_once.fall == "too_high"
+    assert at_once.fitness == pytest.approx(START, abs=NOISE) and at_once.distance == 0

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from paper import PUBLISHED
 from robomore.envs import try_out as module
 from robomore.envs.try_out import try_out
 from robomore.errors import InvalidMorphology, UnstableSimulation
 from robomore.tasks import get_task
-
-DATA = Path(__file__).parent.parent / "tasks" / "data" / "published_morphologies.json"
-PUBLISHED = {k: v for k, v in json.loads(DATA.read_text()).items() if k != "source"}
 
 SHORT = 20
 """Control steps of each simulation: enough for what diverges at once, and quick."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from robomore.envs.compile import body_facts
+from robomore.envs.measured_env import MeasuredEnv
 from robomore.evaluation.measure import choose, measure
 from robomore.tasks import Fitness, get_task
 from robomore.training.policy import MLPPolicy
@@ -45,6 +46,24 @@ def test_speed_is_the_distance_over_the_time() -> None:
 def test_a_gain_in_height_is_over_the_rest() -> None:
     behaviour = measure(TASK, TASK.reference, pushing(0.0), 1, 5).behaviour
     assert 0 <= behaviour["height_gain_m"] < 0.2 < behaviour["highest_torso_m"]
+
+
+def test_height_and_distance_are_those_that_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    step = MeasuredEnv.step
+
+    def throwing(env: MeasuredEnv, actions: np.ndarray) -> object:
+        if env.elapsed[0] == 5:
+            env.data[0].qvel[:3] = 9e5
+        return step(env, actions)
+
+    monkeypatch.setattr(MeasuredEnv, "step", throwing)
+    task = replace(get_task("ant-jump"), episode_steps=STEPS)
+    still = MLPPolicy((np.zeros((105, 8), np.float32),), (np.zeros(8, np.float32),))
+    found = measure(task, task.reference, still, 1, 5)
+    assert found.behaviour["fell_too_high_share"] == 1.0
+    assert found.behaviour["highest_torso_m"] == found.fitness < 1
+    assert abs(found.behaviour["forward_distance_m"]) < 0.1
+    assert found.behaviour["height_gain_m"] < 0.3
 
 
 def test_motors_that_do_nothing_have_no_energy_and_saturation_is_of_each_episode() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -60,6 +61,34 @@ def first(**changes: Any) -> Task:
 def test_each_fault_is_found(task: Task, said: str) -> None:
     with pytest.raises(Exception, match=said):
         check_task(task)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        # The front link's volume stands still, which no look at the reference shows.
+        (
+            {"shapes": lambda values: SWIMMER.solids(values | {"front_radius": 0.1})},
+            r"`shapes` have .* with front_length = .*leave `shapes` out",
+        ),
+        # What MuJoCo makes of this element is not read.
+        (
+            {
+                "template": re.sub(
+                    r'(<geom name="back_geom".*/>)',
+                    r"<replicate count='2'>\1</replicate>",
+                    SWIMMER.template,
+                )
+            },
+            r"template is read as .* give `shapes`",
+        ),
+    ],
+)
+def test_a_volume_is_that_of_the_compiled_robot_beside_the_reference_too(
+    changes: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(AssertionError, match=said):
+        check_task(replace(SWIMMER, **changes))
 
 
 def test_a_robot_beside_the_reference_that_diverges_is_named_with_the_same_remedies(

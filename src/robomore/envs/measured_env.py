@@ -18,6 +18,7 @@ from robomore.envs.recorder import Recorder
 from robomore.envs.robots.base import Array
 from robomore.envs.vector_env import VectorEnv
 from robomore.tasks.task import Task
+from robomore.tasks.trajectory import Trajectory
 
 SIDE_BY_SIDE = 10
 """Episodes that are measured together; it saves nothing to run more in one thread."""
@@ -45,6 +46,8 @@ class Motion:
             most pi; `None` for a planar robot.
         fall: why the episode ended early, as a name of `FALLS`; empty if it did not.
         fitness: what the episode is worth, as the task says.
+        distance: how far the torso got forward, in m, as far as it counts.
+        highest: highest torso height that counts, in m.
     """
 
     energy: float
@@ -56,6 +59,8 @@ class Motion:
     turn: float | None
     fall: str
     fitness: float
+    distance: float
+    highest: float
 
 
 FALLS = ("too_low", "too_high", "tilted", "diverged", "unhealthy")
@@ -139,14 +144,12 @@ class MeasuredEnv(VectorEnv):
         super()._end(ended, final)
 
     def _motion(self, index: int) -> Motion:
-        trajectory = self._recorder.trajectory(
-            np.array(self._states[index]),
-            np.array(self._energy[index]),
-            np.array(self._touched[index], dtype=np.bool_),
-            step_seconds=self._dt,
-            full_steps=self._steps,
-            fall=self._fall(index),
-        )
+        fall = self._fall(index)
+        states = np.array(self._states[index])
+        energy = np.array(self._energy[index])
+        touched = np.array(self._touched[index], dtype=np.bool_)
+        trajectory = self._trajectory(states, energy, touched, fall)
+        counted = self._trajectory(*_counted(states, energy, touched, fall), fall)
         frequency, amplitude = stride(
             np.ascontiguousarray(trajectory.qpos[1:, self._angles]), self._dt
         )
@@ -163,7 +166,16 @@ class MeasuredEnv(VectorEnv):
             drift=drift,
             turn=turn,
             fall=trajectory.fall,
-            fitness=self._goal(trajectory),
+            fitness=self._goal(counted),
+            distance=counted.distance,
+            highest=float(counted.position[:, 2].max()),
+        )
+
+    def _trajectory(
+        self, states: Array, energy: Array, touched: NDArray[np.bool_], fall: str
+    ) -> Trajectory:
+        return self._recorder.trajectory(
+            states, energy, touched, step_seconds=self._dt, full_steps=self._steps, fall=fall
         )
 
     def _fall(self, index: int) -> str:
@@ -183,6 +195,21 @@ class MeasuredEnv(VectorEnv):
         # A robot of one's own has no other rules than its height and its tilt.
         tilted |= getattr(self.environment, "_healthy_tilt", None) is not None
         return "tilted" if tilted else "unhealthy"
+
+
+def _counted(
+    states: Array, energy: Array, touched: NDArray[np.bool_], fall: str
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Return what counts of an episode's samples: no blow-up, and nothing that leads to one.
+
+    Physics that diverge are seen one step late: a robot may be thrown anywhere before. So of such
+    an episode the first sample alone counts, in a step that moves nothing. Of an episode that ends
+    since the torso is too high, the sample that ended it does not count.
+    """
+    steps = {"diverged": 0, "too_high": len(energy) - 1}.get(fall, len(energy))
+    if steps == 0:
+        return states[[0, 0]], np.zeros(1), touched[:1]
+    return states[: steps + 1], energy[:steps], touched[:steps]
 
 
 def _yaw(qpos: Array) -> float:

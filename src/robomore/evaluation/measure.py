@@ -117,15 +117,17 @@ def measure_in(env: MeasuredEnv, task: Task, policy: Policy, seeds: Sequence[int
     run = rollout(policy, env, seeds)
     motions = [env.motions[seed] for seed in seeds]
     worth = np.array([one.fitness for one in motions])
+    distance = np.array([one.distance for one in motions])
+    highest = np.array([one.highest for one in motions])
     step_seconds = float(env.environment.dt)
     measurement = Measurement(
         fitness=float(worth.mean()),
         episode_fitness=tuple(float(value) for value in worth),
         behaviour={
-            "forward_distance_m": float(run.distance.mean()),
-            "forward_speed_m_s": float((run.distance / (run.length * step_seconds)).mean()),
-            "highest_torso_m": float(run.highest.mean()),
-            "height_gain_m": float((run.highest - run.rest_height).mean()),
+            "forward_distance_m": float(distance.mean()),
+            "forward_speed_m_s": float((distance / (run.length * step_seconds)).mean()),
+            "highest_torso_m": float(highest.mean()),
+            "height_gain_m": float((highest - run.rest_height).mean()),
             "lowest_torso_m": float(run.lowest.mean()),
             "episode_seconds": float(run.length.mean() * step_seconds),
             "fell_share": float(run.fell.mean()),

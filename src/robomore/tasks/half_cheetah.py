@@ -15,9 +15,6 @@ LEGS = ("back", "front")
 SEGMENTS = ("thigh", "shin", "foot")
 LIMBS = tuple(f"{leg}_{segment}" for leg in LEGS for segment in SEGMENTS)
 
-MASS = 14.0
-"""Of the whole robot in kg, whatever its volume (as in the template)."""
-
 LEAST_SEGMENT = 0.03
 """Shortest head and leg segment that samplers draw, in m."""
 

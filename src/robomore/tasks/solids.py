@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
+import random
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,24 +23,38 @@ Values = Mapping[str, float]
 
 _TOKEN = re.compile(r"\{([^{}]+)\}|(\S+)")
 _SCOPE = {**FUNCTIONS, "__builtins__": {}}
+_ANALYTIC = ("sin", "cos")
+"""Of the functions of a template, those without kinks and edges."""
+
+_THREE_SIZES = ("box", "ellipsoid")
+
+_PROBES = 3
+"""Points at which the sizes of capsules are compared."""
+
 _READ = ("type", "size", "fromto", "contype", "conaffinity", "mesh", "scale")
 
 
 @dataclass(frozen=True, slots=True)
 class _Geom:
-    """Equal geoms: their type, and code that gives their sizes, and the two ends if it has any."""
+    """Equal geoms: their type, and code that gives their sizes, and the two ends if it has any.
+
+    `smooth` says whether all of these are analytic functions of the parameters.
+    """
 
     kind: str
     sizes: CodeType
     has_ends: bool
     mesh_volume: float
+    smooth: bool
     count: int = 1
 
     def shape(self, values: Values) -> Shape:
         size = list(eval(self.sizes, dict(_SCOPE), values))
         if self.has_ends:
             points = size[-6:]
-            size = [size[0], math.dist(points[:3], points[3:]) / 2]
+            half = math.dist(points[:3], points[3:]) / 2
+            # As MuJoCo reads it, whatever other sizes there are.
+            size = [size[0], size[0], half] if self.kind in _THREE_SIZES else [size[0], half]
         if self.kind == "sphere":
             return Sphere(size[0])
         if self.kind == "capsule":
@@ -103,18 +118,26 @@ def _geoms(template: str, mesh_volumes: tuple[tuple[str, float], ...]) -> tuple[
         size = scales.get(one.get("mesh", ""), "1 1 1") if kind == "mesh" else one.get("size", "")
         volume = volumes.get(one.get("mesh", ""), 0.0)
         ends = one.get("fromto", "")
-        made.append(_Geom(kind, _code(f"{size} {ends}"), bool(ends), volume))
+        sizes = _trees(f"{size} {ends}")
+        smooth = all(map(_is_smooth, sizes))
+        made.append(_Geom(kind, _code(sizes), bool(ends), volume, smooth))
     return _grouped(made, sorted(names_used(template)))
 
 
 def _grouped(geoms: Sequence[_Geom], names: Sequence[str]) -> tuple[_Geom, ...]:
-    """Return geoms with equal capsules together: those whose sizes agree at some fixed values."""
-    probes = [{name: 0.3 + 0.07 * k + 0.11 * i for i, name in enumerate(names)} for k in range(3)]
+    """Return geoms with capsules that are equal whatever the parameters together.
+
+    Analytic functions that agree at points without any pattern agree everywhere. Others do not:
+    `min(a, b)` is `a` at some points and `b` at others, so capsules of such sizes stay apart.
+    """
+    draws = random.Random(0)  # the same points in every process
+    probes = [{name: draws.uniform(0.2, 0.9) for name in names} for _ in range(_PROBES)]
     found: dict[object, _Geom] = {}
     for number, geom in enumerate(geoms):
-        sizes = [geom.shape(values) for values in probes]
-        same = tuple(f"{one.volume:.9g} {one.radius:.9g}" for one in sizes)
-        key = same if geom.kind == "capsule" else number
+        key: object = number
+        if geom.kind == "capsule" and geom.smooth:
+            sizes = [geom.shape(values) for values in probes]
+            key = tuple(f"{one.volume:.9g} {one.radius:.9g}" for one in sizes)
         found[key] = replace(geom, count=found[key].count + 1) if key in found else geom
     return tuple(found.values())
 
@@ -149,8 +172,8 @@ def _of_body(
             yield from _of_body(part, within, classes)
 
 
-def _code(text: str) -> CodeType:
-    """Return code that gives a tuple of the numbers of attributes.
+def _trees(text: str) -> list[ast.expr]:
+    """Return the arithmetic of each of the numbers of attributes.
 
     Raises:
         ValueError: one of them is not plain arithmetic.
@@ -162,5 +185,22 @@ def _code(text: str) -> CodeType:
             if isinstance(node, ast.Constant):
                 # As `fill` counts, too: whole numbers of Python grow without limit.
                 node.value = float(node.value)  # type: ignore[arg-type]
-    whole = ast.Expression(ast.Tuple(trees, ast.Load()))
+    return trees
+
+
+def _is_smooth(tree: ast.expr) -> bool:
+    """Return whether arithmetic is analytic: `sqrt(x**2)`, too, has a kink, where x is 0."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") not in _ANALYTIC:
+            return False
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+            power = node.right
+            if not (isinstance(power, ast.Constant) and float(power.value).is_integer()):  # type: ignore[arg-type]
+                return False
+    return True
+
+
+def _code(trees: Sequence[ast.expr]) -> CodeType:
+    """Return code that gives a tuple of the numbers."""
+    whole = ast.Expression(ast.Tuple(list(trees), ast.Load()))
     return compile(ast.fix_missing_locations(whole), "<template>", "eval")

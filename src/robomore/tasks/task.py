@@ -37,8 +37,8 @@ class Parameter:
         name: as it stands in the template and in parameter files.
         low: smallest allowed value, in `unit`.
         high: largest allowed value, in `unit`.
-        reference: the value to compare with: the official robot's, if there is one (never shown to
-            a designer).
+        reference: the value to compare with: that of the robot which people made, such as
+            Gymnasium's, if there is one (never shown to a designer).
         meaning: one line for designers and people.
         unit: SI unit.
         scale: how a search should step through the range; `log` for sizes that span decades.
@@ -181,7 +181,7 @@ class Task:
 
     @property
     def reference(self) -> tuple[float, ...]:
-        """The reference parameters, in the task's order: those of the official robot, if any."""
+        """The reference parameters, in the task's order: of the robot that people made, if any."""
         return tuple(parameter.reference for parameter in self.parameters)
 
     @property

@@ -38,8 +38,6 @@ GROUND = Terrain(
 )
 """Flat: a plane with the terrain's friction."""
 
-TERRAINS = {"desert": DESERT, "snow": SNOW, "hills": HILLS, "ground": GROUND}
-
 _FLOOR = re.compile(r'( *)<geom name="floor"[^>]*/>\n')
 
 

@@ -59,7 +59,7 @@ def check_task(task: Task) -> None:
     reference = task.check(task.reference)
     assert fingerprint(task) == fingerprint(task), "the fingerprint changes from call to call"
     assert task.volume(reference) > 0, "the reference robot has no volume"
-    _check_volume(task)
+    _check_volume(task, reference)
     assert body_facts(task, reference)["mass"] > 0, "the reference robot has no mass"
     with silent_mujoco():
         _check_try(task, reference)
@@ -67,6 +67,7 @@ def check_task(task: Task) -> None:
             parameters = drawn(task, seed, deviation=0.1).parameters
             volume = task.volume(parameters)
             assert math.isfinite(volume) and volume > 0, f"{parameters} has the volume {volume}"
+            _check_volume(task, parameters)
             _check_motion(task, parameters, seed)
         _check_motion(task, reference, DRAWS)
         _check_episode(task, reference)
@@ -82,16 +83,26 @@ def check_task(task: Task) -> None:
     raise AssertionError("parameters beyond their bounds are accepted")
 
 
-def _check_volume(task: Task) -> None:
-    """Compare a list of shapes by hand with the solids of the compiled robot."""
-    if task.shapes is None:
+def _check_volume(task: Task, parameters: tuple[float, ...]) -> None:
+    """Compare the volume that is told with the solids of the compiled robot."""
+    told = task.volume(parameters)
+    solid = model_volume(compile_model(task, parameters))
+    if abs(told - solid) <= _SAME_VOLUME * solid:
         return
-    listed = task.volume(task.reference)
-    solid = model_volume(compile_model(task, task.reference))
-    assert abs(listed - solid) <= _SAME_VOLUME * solid, (
-        f"its `shapes` have {listed:.6g} m³ and the robot's solids {solid:.6g} m³, so every "
-        "efficiency would be wrong; leave `shapes` out, and the template's solids count"
+    listed, remedy = (
+        ("`shapes` have", "leave `shapes` out, and the template's solids count")
+        if task.shapes is not None
+        else ("template is read as", "give `shapes` that say what the robot is made of")
     )
+    where = "" if parameters == task.reference else f" with {_named(task, parameters)}"
+    raise AssertionError(
+        f"its {listed} {told:.6g} m³ and the robot's solids {solid:.6g} m³{where}, so every "
+        f"efficiency would be wrong; {remedy}"
+    )
+
+
+def _named(task: Task, parameters: tuple[float, ...]) -> str:
+    return ", ".join(f"{name} = {value:.4g}" for name, value in task.named(parameters).items())
 
 
 def _check_try(task: Task, parameters: tuple[float, ...]) -> None:
@@ -137,7 +148,7 @@ def _check_motion(task: Task, parameters: tuple[float, ...], seed: int) -> None:
     except RewardFailed as error:
         raise AssertionError(f"the reference reward: {error}") from None
     except UnstableSimulation as error:
-        named = ", ".join(f"{name} = {value:.4g}" for name, value in task.named(parameters).items())
+        named = _named(task, parameters)
         raise AssertionError(f"the robot with {named}: {_steadied(task, error)}") from None
     assert np.isfinite(seen[0]).all(), f"an observation of {parameters} is not a finite number"
     assert np.array_equal(seen[0], seen[1]), "the same seed and actions give another motion"

@@ -39,8 +39,6 @@ class Rollout:
     """What each episode gave, in the order of the seeds; every array is (episodes,).
 
     Attributes:
-        distance: how far the torso moved forward from the first to the last step, in m.
-        highest: highest torso height, in m.
         lowest: lowest torso height, in m.
         rest_height: torso height at the start, in m.
         length: control steps that the episode lasted.
@@ -49,8 +47,6 @@ class Rollout:
         jerk: mean change of an action's components from step to step, of at most 2.
     """
 
-    distance: NDArray[np.float64]
-    highest: NDArray[np.float64]
     lowest: NDArray[np.float64]
     rest_height: NDArray[np.float64]
     length: NDArray[np.int64]
@@ -79,8 +75,7 @@ def rollout(policy: Policy, environment: EvaluationEnv, seeds: Sequence[int]) ->
         number, seed = waiting.pop() if waiting else (None, seeds[-1])
         first = environment.reset_one(i, seed)
         if number is not None:
-            x, height = environment.root_positions[i].tolist()
-            running[i] = _Episode(number, start=x, rest_height=height)
+            running[i] = _Episode(number, rest_height=float(environment.root_positions[i, 1]))
         return first
 
     observation = np.array([begin(i) for i in range(environment.num_envs)])
@@ -91,12 +86,11 @@ def rollout(policy: Policy, environment: EvaluationEnv, seeds: Sequence[int]) ->
         jerk = np.abs(actions - before).mean(axis=1)
         before = actions
         transition = environment.step(actions)
-        positions = environment.root_positions
+        heights = environment.root_positions[:, 1].tolist()
         # The environment may hand out an array of its own.
         observation = transition.observation.copy()
         for i, episode in running.items():
-            x, height = positions[i].tolist()
-            episode.note(x, height, float(effort[i]), float(jerk[i]))
+            episode.note(heights[i], float(effort[i]), float(jerk[i]))
         for i in np.flatnonzero(transition.terminated | transition.truncated).tolist():
             if i in running:
                 running[i].fell = bool(transition.terminated[i])
@@ -104,8 +98,6 @@ def rollout(policy: Policy, environment: EvaluationEnv, seeds: Sequence[int]) ->
             observation[i] = begin(i)
     finished.sort(key=lambda episode: episode.number)
     return Rollout(
-        distance=np.array([episode.x - episode.start for episode in finished]),
-        highest=np.array([episode.highest for episode in finished]),
         lowest=np.array([episode.lowest for episode in finished]),
         rest_height=np.array([episode.rest_height for episode in finished]),
         length=np.array([episode.length for episode in finished]),
@@ -118,18 +110,15 @@ def rollout(policy: Policy, environment: EvaluationEnv, seeds: Sequence[int]) ->
 class _Episode:
     """One episode under way; `effort` and `jerk` are sums over its steps."""
 
-    def __init__(self, number: int, start: float, rest_height: float) -> None:
+    def __init__(self, number: int, rest_height: float) -> None:
         self.number = number
-        self.start = self.x = start
-        self.rest_height = self.highest = self.lowest = rest_height
+        self.rest_height = self.lowest = rest_height
         self.length = 0
         self.fell = False
         self.effort = 0.0
         self.jerk = 0.0
 
-    def note(self, x: float, height: float, effort: float, jerk: float) -> None:
-        self.x = x
-        self.highest = max(self.highest, height)
+    def note(self, height: float, effort: float, jerk: float) -> None:
         self.lowest = min(self.lowest, height)
         self.effort += effort
         if self.length:
