@@ -108,8 +108,29 @@ def test_a_diverged_episode_is_worth_what_it_was_when_recorded(
             return result
 
     monkeypatch.setattr(measure, "Robot", Bursting)
-    found = measure.measure(measure.RECORDED["seeds"][:1])
-    assert found == pytest.approx([0.0], abs=0.2)
+    assert measure.measure(measure.RECORDED["seeds"][:1]) == [0.0]
+
+
+def test_the_throw_that_ends_an_episode_counts_as_little_as_when_recorded(
+    package: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    measure = importlib.import_module("swimmer_champion.measure")
+
+    class Thrown(package.env.Robot):  # type: ignore[name-defined, misc]
+        _healthy_z_range = (0.2, 1.0)
+
+        def step(self, action: Any) -> Any:
+            observation, reward, _, cut, facts = super().step(action)
+            return observation, reward, self.data.time > 1.0, cut, facts
+
+    def root(robot: Any) -> tuple[float, float]:
+        return (50.0, 90.0) if robot.data.time > 1.0 else (robot.data.time, 0.5)
+
+    monkeypatch.setattr(measure, "Robot", Thrown)
+    monkeypatch.setattr(measure, "root", root)
+    assert measure.measure(measure.RECORDED["seeds"][:1]) == [pytest.approx(1.0, abs=0.05)]
+    monkeypatch.setattr(measure, "FITNESS", "height")
+    assert measure.measure(measure.RECORDED["seeds"][:1]) == [0.5]
 
 
 def test_the_package_gives_the_reward_that_was_trained_with(

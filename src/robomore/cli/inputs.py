@@ -37,7 +37,7 @@ def read_parameters(task: Task, given: str) -> tuple[float, ...]:
     """
     if given == REFERENCE:
         return task.reference
-    text = read_text(Path(given), f"name a JSON file, or `{REFERENCE}` for the official robot")
+    text = read_text(Path(given), f"name a JSON file, or `{REFERENCE}` for the reference robot")
     try:
         found = json.loads(text, object_pairs_hook=_each_name_once)
     except (ValueError, RecursionError) as error:
@@ -74,7 +74,7 @@ def read_reward(task: Task, given: str) -> str:
     """
     if given == REFERENCE:
         return task.reward
-    source = read_text(Path(given), f"name a Python file, or `{REFERENCE}` for the official reward")
+    source = read_text(Path(given), f"name a Python file, or `{REFERENCE}` for the reference reward")
     try:
         ast.parse(source)
     except SyntaxError as error:
