@@ -28,6 +28,20 @@ def test_a_champion_that_only_shrank_uses_less_material(tmp_path: Path) -> None:
     assert "lighter" not in found
 
 
+@pytest.mark.parametrize(("height", "told"), [(5.0, True), (9.0, False)])
+def test_a_champion_that_mostly_stands_tall_is_told_so(
+    height: float, told: bool, tmp_path: Path
+) -> None:
+    run = FakeRun(tmp_path, "ant-jump")  # its torso starts at 4 m
+    design = Design(run.morphology(0.5), run.reward(3.0))
+    best = run.add(design, Place(stage="coarse", index=(0, 1)), height)
+    run.final(best, found=(height,) * 5)
+    found = said(tmp_path)
+    assert ("Of the 5.000 m that the champion reaches, 4.000 m is the height" in found) is told
+    assert ("it gains 1.000 m" in found) is told
+    assert "Of the 9" not in found
+
+
 def test_a_sound_result_has_no_warning(tmp_path: Path) -> None:
     run = FakeRun(tmp_path)
     first, *others = run.morphology(0.5).parameters

@@ -74,7 +74,9 @@ def read_reward(task: Task, given: str) -> str:
     """
     if given == REFERENCE:
         return task.reward
-    source = read_text(Path(given), f"name a Python file, or `{REFERENCE}` for the reference reward")
+    source = read_text(
+        Path(given), f"name a Python file, or `{REFERENCE}` for the reference reward"
+    )
     try:
         ast.parse(source)
     except SyntaxError as error:

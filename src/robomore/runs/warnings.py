@@ -56,6 +56,7 @@ def warnings_about(run: Run) -> tuple[str, ...]:
             said.append(run.pairs.verdict)
         said += _about_training_anew(run)
         said += _about_fitness(run)
+        said += _about_height(run)
         said += _about_limits(run)
         said += _about_audits(run)
     said += _about_slimness(run, champion)
@@ -145,6 +146,21 @@ def _about_fitness(run: Run) -> list[str]:
             "no ratio is a headline; train longer for a fair comparison."
         )
     return said
+
+
+def _about_height(run: Run) -> list[str]:
+    """Say so if most of the height that a robot reached is the one at which it stands anyway."""
+    champion = run.champion
+    if run.task.goal.name != "height" or champion is None or champion.fitness is None:
+        return []
+    highest, gained = champion.fitness.mean, champion.behaviour.get("height_gain_m")
+    if gained is None or gained >= highest / 2:
+        return []
+    return [
+        f"Of the {number(highest)} m that the champion reaches, {number(highest - gained)} m is "
+        f"the height at which its torso starts: it gains {number(gained)} m. A taller robot "
+        "is worth more in this task without a motion."
+    ]
 
 
 def _about_limits(run: Run) -> list[str]:
