@@ -156,7 +156,7 @@ def _print_head(screen: Console, run: Run) -> None:
 
     manifest = run.manifest
     designer = f", designer {manifest.designer}" if manifest.designer else ""
-    said = settings_words(manifest.preset, manifest.settings)
+    said = settings_words(manifest.preset, manifest.settings, run.budget_steps)
     screen.print(
         f"{run.task.title}: {said}; method {manifest.settings.method.name}"
         f"{designer}, seed {manifest.seed}, {'finished' if run.found else 'not finished'}",

@@ -23,6 +23,7 @@ def as_data(run: Run) -> dict[str, Any]:
         "provenance": manifest.provenance,
         "seed": manifest.seed,
         "objective": run.objective,
+        "budget_steps": run.budget_steps,
         "plan": [
             {
                 "name": stage.name,

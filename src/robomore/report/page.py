@@ -16,7 +16,7 @@ from robomore.errors import InvalidMorphology
 from robomore.options import settings_words
 from robomore.plain_files import cannot_write, write_plain
 from robomore.report.audit_words import in_sum
-from robomore.report.command import command_line
+from robomore.report.command import TASK_FILE, command_line, from_task_file
 from robomore.report.comparison_plot import parameter_rows, seed_dots
 from robomore.report.diversity import diversity
 from robomore.report.heatmap import heatmap
@@ -135,7 +135,9 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             audit=audit,
             audited=in_sum(audit, unit) if audit else (),
             grids=[(grid.stage.name, heatmap(grid, run.objective, unit)) for grid in grids(run)],
-            settings_words=settings_words(run.manifest.preset, run.manifest.settings),
+            settings_words=settings_words(
+                run.manifest.preset, run.manifest.settings, run.budget_steps
+            ),
             slimmed=over_slimmed(run),
             stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
             best_so_far=best_so_far(run),
@@ -148,7 +150,8 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             curves=learning_curves(run),
             drawings=_drawings(scenes),
             parameters=parameter_rows(run),
-            command=command_line(run.manifest),
+            command=command_line(run),
+            task_file=TASK_FILE if from_task_file(run) else "",
             share_image=share_image(scenes, f"{run.task.title} · RoboMoRe"),
         )
     )

@@ -187,7 +187,7 @@ def add_entry(run: Run, gallery: Path) -> Path:
     manifest = run.manifest
     origin = Origin(
         preset=manifest.preset,
-        settings=settings_words(manifest.preset, manifest.settings),
+        settings=settings_words(manifest.preset, manifest.settings, run.budget_steps),
         method=manifest.settings.method.name,
         designer=manifest.designer,
         provenance=manifest.provenance,
