@@ -19,7 +19,8 @@ from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.monitor import RunState
 from robomore.options import settings_words
-from robomore.runs.words import duration, equation, in_unit
+from robomore.runs.scores import scored
+from robomore.runs.words import duration
 from robomore.text import one_line
 from robomore.types import Evaluation, Place
 
@@ -243,14 +244,7 @@ def _where(state: RunState, place: Place) -> str:
 
 def _told(state: RunState, evaluation: Evaluation, place: Place) -> str:
     unit = state.run.fitness_unit if state.run else ""
-    said = equation(evaluation, unit)
-    efficiency = in_unit(evaluation.efficiency, "efficiency", unit)
-    if state.objective == "efficiency":
-        said = f"{efficiency} = {said}"
-    else:
-        score = in_unit(evaluation.score(state.objective), state.objective, unit)
-        said = f"{score}; {said} = {efficiency}"
-    return f"{said} ({_where(state, place)})"
+    return f"{scored(evaluation, state.objective, unit)} ({_where(state, place)})"
 
 
 def _times(state: RunState) -> str:

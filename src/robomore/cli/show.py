@@ -189,16 +189,14 @@ def _print_designs(screen: Console, run: Run) -> None:
     from rich.table import Table
 
     from robomore.runs.words import duration, number
-    from robomore.tasks.fitness import per_volume
 
     shown = [one for one in (run.champion, run.reference) if one]
     table = Table(box=None, pad_edge=False)
     table.add_column("")
     for one in shown:
         table.add_column(one.name, justify="right")
-    unit = run.fitness_unit
-    table.add_row(f"efficiency {per_volume(unit)}", *(_cell(one.efficiency) for one in shown))
-    table.add_row(f"fitness {unit}".rstrip(), *(_cell(one.fitness) for one in shown))
+    for name, heading in _compared(run).items():
+        table.add_row(heading, *(_cell(one.score(name)) for one in shown))
     table.add_row("volume m³", *(number(one.volume) for one in shown))
     table.add_row("mass / volume kg/m³", *(number(one.body.get("density")) for one in shown))
     table.add_row("training seeds", *(str(len(one.trained)) for one in shown))
@@ -252,17 +250,16 @@ def _print_lineage(screen: Console, run: Run) -> None:
     from rich.table import Table
 
     from robomore.runs.words import number
-    from robomore.tasks.fitness import per_volume
 
     table = Table(box=None, pad_edge=False)
     table.add_column("how the search got there")
-    unit = run.fitness_unit
-    for heading in (f"efficiency {per_volume(unit)}", f"fitness {unit}".rstrip(), "volume m³"):
+    compared = _compared(run)
+    for heading in (*compared.values(), "volume m³"):
         table.add_column(heading, justify="right")
     for record in run.lineage:
         one = record.evaluation
-        numbers = (number(value) for value in (one.efficiency, one.fitness, one.volume))
-        table.add_row(run.plan.describe(record.place), *numbers)
+        numbers = [*(one.score(name) for name in compared), one.volume]
+        table.add_row(run.plan.describe(record.place), *map(number, numbers))
     if table.row_count:
         screen.print()
         screen.print(table)
@@ -282,6 +279,16 @@ def _print_warnings(screen: Console, run: Run) -> None:
     for warning in run.warnings:
         if run.pairs is None or warning != run.pairs.verdict:
             screen.print(f"- {warning}", style="yellow")
+
+
+def _compared(run: Run) -> dict[str, str]:
+    """Return the headings of what designs are told by, the objective first."""
+    from robomore.runs.words import unit_of
+
+    return {
+        name: f"{name.replace('-', ' ')} {unit_of(name, run.fitness_unit)}".rstrip()
+        for name in (run.objective, "efficiency", "fitness")
+    }
 
 
 def _cell(measured: Spread | None) -> str:

@@ -37,10 +37,10 @@ from robomore.runs import Run, load_run
 from robomore.runs.audits import audit_of
 from robomore.runs.grid import grids
 from robomore.runs.pareto import in_words
+from robomore.runs.scores import made_of
 from robomore.runs.slimmed import over_slimmed
 from robomore.runs.words import (
     duration,
-    equation,
     in_unit,
     label,
     measured,
@@ -131,6 +131,7 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             champion=run.champion,
             reference=run.reference,
             unit=unit_of(run.objective, unit),
+            compared=dict.fromkeys((run.objective, "efficiency", "fitness")),
             stage=stage,
             audit=audit,
             audited=in_sum(audit, unit) if audit else (),
@@ -146,7 +147,10 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             fitness_over_energy=fitness_over_energy(run),
             pareto=in_words(run),
             diversity=diversity(run),
-            dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
+            dots={
+                name: seed_dots(run, name)
+                for name in dict.fromkeys((run.objective, "efficiency", "fitness"))
+            },
             curves=learning_curves(run),
             drawings=_drawings(scenes),
             parameters=parameter_rows(run),
@@ -173,8 +177,8 @@ def templates() -> Environment:
         "short": short,
         "duration": duration,
         "label": _labelled,
-        "equation": equation,
         "in_unit": in_unit,
+        "made_of": made_of,
         "measured": measured,
         "place": _described,
         "with_interval": with_interval,
