@@ -146,3 +146,8 @@ def test_show_begins_with_the_objective(robomore_: Command, tmp_path: Path) -> N
     (row,) = [line for line in said.splitlines() if line.startswith("transport economy")]
     assert number(score.mean) in row
     assert re.search(r"how the search got there +transport economy +efficiency m/m³", said)
+
+
+def test_replays_are_of_one_run(robomore_: Command, finished: Path, tmp_path: Path) -> None:
+    said = robomore_("report", finished, finished, "--replays", "3", "--out", tmp_path / "a.html")
+    assert said.status == 2 and "--replays are of one run" in said.err

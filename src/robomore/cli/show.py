@@ -70,7 +70,7 @@ def report(
     evaluation: str | None = None,
     reference: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
-    replays: int = 12,
+    replays: int | None = None,
 ) -> None:
     """Write a run's report as one HTML file that needs nothing else; of several, how they compare.
 
@@ -87,20 +87,26 @@ def report(
         The file; by default `report.html` in the folder, or `report-KEY.html`. Of several runs
         `comparison.html` here, and of a study in its folder.
     replays
-        Designs of the run that are shown in motion at most, champion and reference first.
+        Designs of one run that are shown in motion at most, 12 by default, champion and reference
+        first.
     """
     from robomore.report import write_comparison, write_report
+    from robomore.report.replays import MOST
 
-    if replays < 0:
+    if replays is not None and replays < 0:
         raise InputError(f"--replays is {replays}; give a number from 0")
     if not runs:
         raise InputError("which run? name its folder: robomore report RUN")
     study = len(runs) == 1 and (runs[0] / "cells").is_dir()
     if len(runs) == 1 and not study:
-        write(f"{write_report(chosen_run(runs[0], evaluation, reference), out, replays)}\n")
+        shown = MOST if replays is None else replays
+        write(f"{write_report(chosen_run(runs[0], evaluation, reference), out, shown)}\n")
         return
-    if evaluation or reference:
-        raise InputError("--evaluation and --reference are of one run; name one folder")
+    if evaluation or reference or replays is not None:
+        raise InputError(
+            "--evaluation, --reference and --replays are of one run; leave them out, or name one "
+            "folder"
+        )
     folder = runs[0] if study else Path()
     write(f"{write_comparison(runs, out or folder / 'comparison.html')}\n")
 

@@ -63,7 +63,7 @@ class Watched:
     run: Run | None = None
     error: str = ""
     progress: Progress | None = None
-    _stamp: Stamp = ()
+    _stamp: Hashable = ()
     _rested: float = 0.0
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
