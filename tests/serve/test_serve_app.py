@@ -22,6 +22,8 @@ from robomore.events import RunBegan
 from robomore.monitor.progress import Progress, ProgressFile, Under, read_progress
 from robomore.plan import Plan, Stage
 from robomore.rendering.packing import unpack
+from robomore.runs import load_run
+from robomore.runs.words import number
 from robomore.serve import application
 from robomore.serve.app import changes
 from robomore.serve.folder import Look, ServedFolder
@@ -75,6 +77,14 @@ def test_runs_appear_go_on_end_and_vanish(tmp_path: Path) -> None:
     shutil.rmtree(tmp_path / "a")
     assert ask(app, "/run?name=a/first").status == 404
     assert "There is no run here yet" in page(app, "/")
+
+
+def test_a_small_ratio_has_its_digits(tmp_path: Path) -> None:
+    fake = FakeRun(tmp_path / "one")
+    fake.final(fake.coarse(), found=(0.001,) * 5)
+    run = load_run(tmp_path / "one")
+    assert run.ratio is not None and run.ratio.mean < 0.005
+    assert f"{number(run.ratio.mean, 3)}\N{MULTIPLICATION SIGN}" in page(application(tmp_path), "/")
 
 
 def test_a_change_within_the_rest_is_told_when_the_rest_is_over(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from rich.text import Text
 from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.monitor import RunState
+from robomore.monitor.remaining import roughly
 from robomore.options import settings_words
 from robomore.runs.scores import scored
 from robomore.runs.words import duration
@@ -258,12 +259,3 @@ def _times(state: RunState) -> str:
         said += f", {state.search_steps:,} of {run.budget_steps:,} control steps"
     left = state.time_left()
     return f"{said}, about {roughly(left)} left" if left else said
-
-
-def roughly(seconds: float) -> str:
-    """Return a duration without digits that an estimate does not have."""
-    if seconds < 90:
-        return f"{max(10, round(seconds, -1)):.0f} s"
-    if seconds < 2 * 3600:
-        return f"{seconds / 60:.0f} min"
-    return f"{seconds / 3600:.1f} h"
