@@ -16,6 +16,7 @@ from robomore.store import Ledger, Manifest, RunFolder
 from robomore.store.champion import save_champion
 from robomore.tasks import get_task
 from robomore.tasks.fingerprint import fingerprint, task_key
+from robomore.transport import GRAVITY
 from robomore.types import (
     Curve,
     Design,
@@ -61,6 +62,7 @@ class FakeRun:
         settings: of the run; by default a small search of the method `robomore`.
         plan: stages of the search; needed for a method that is not installed.
         preset: name of the settings.
+        energy: of each episode, in J; `None` where it is not measured.
     """
 
     def __init__(
@@ -70,6 +72,7 @@ class FakeRun:
         settings: RunSettings = SETTINGS,
         plan: Plan | None = None,
         preset: str = "quick",
+        energy: float | None = None,
     ) -> None:
         self.task = get_task(task)
         self.path = path
@@ -103,6 +106,7 @@ class FakeRun:
         self.folder = RunFolder.prepare(path, self.manifest)
         self.folder.release()
         self.count = 0
+        self.energy = energy
 
     def morphology(self, shrink: float, idea: str = "thin") -> Morphology:
         """Return the reference morphology with its radii multiplied by `shrink`."""
@@ -175,6 +179,7 @@ class FakeRun:
                     "forward_distance_m": fitness,
                     "forward_speed_m_s": fitness / 10,
                     **gained,
+                    **({} if self.energy is None else {"energy_j": self.energy}),
                 },
                 terms={"forward": TermStatistics(1.0, -1.0, 3.0)},
                 steps=steps,
@@ -301,6 +306,23 @@ def curve(steps: int, fitness: float) -> Curve:
 def finished_run(path: Path, task: str = "swimmer") -> FakeRun:
     """Write a whole run of the method `robomore` into `path`."""
     run = FakeRun(path, task)
+    run.final(run.fine(run.coarse()))
+    return run
+
+
+ENERGY = 50.0
+"""In J, of each episode of `economy_run`."""
+
+
+def economy(fitness: float, volume: float) -> float:
+    """Return the transport economy of a robot of `economy_run`."""
+    return 1000 * volume * GRAVITY * fitness / ENERGY
+
+
+def economy_run(path: Path, task: str = "swimmer") -> FakeRun:
+    """Write a whole run into `path` that compared transport economy."""
+    settings = replace(SETTINGS, objective="transport-economy")
+    run = FakeRun(path, task, settings, energy=ENERGY)
     run.final(run.fine(run.coarse()))
     return run
 

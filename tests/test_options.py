@@ -154,6 +154,8 @@ def test_other_settings_are_said_by_their_name() -> None:
     budget = replace(older.final, episodes=3)
     own = replace(older, final=budget)
     assert settings_words("quick-steps7", own) == "settings quick-steps7"
+    assert settings_words("quick", plain, 5_000) == "preset quick, with budget steps 5,000"
+    assert settings_words("custom", plain, 5_000) == "custom settings, budget steps 5,000"
 
 
 @settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow])

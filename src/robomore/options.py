@@ -154,7 +154,7 @@ def changes(name: str, settings: RunSettings) -> dict[str, Any] | None:
     return found if with_options(preset(name), **found) == settings else None
 
 
-def settings_words(name: str, settings: RunSettings) -> str:
+def settings_words(name: str, settings: RunSettings, budget_steps: int | None = None) -> str:
     """Return how settings are called before people: `preset quick, with rewards 2, steps 5,000`.
 
     The search method is left out, which is always said besides.
@@ -162,22 +162,26 @@ def settings_words(name: str, settings: RunSettings) -> str:
     Args:
         name: of the settings, as `settings_name` returned it.
         settings: that have this name.
+        budget_steps: that the search might use; `None` for no bound.
     """
+    budget = [] if budget_steps is None else [_said("budget_steps", budget_steps)]
     plain, changed, _ = name.partition("-")
     if plain not in PRESETS:
-        return f"{plain} settings" if plain == "custom" else f"settings {name}"
+        said = f"{plain} settings" if plain == "custom" else f"settings {name}"
+        return ", ".join([said, *budget])
     try:
         found = changes(plain, settings) if changed else {}
     except InputError:  # a method or trainer that is not installed here
         found = None
     if found is None:
-        return f"settings {name}"
+        return ", ".join([f"settings {name}", *budget])
     words = []
     for option, value in found.items():
         if isinstance(value, Mapping):
             words += [_said(one, chosen) for one, chosen in value.items()]
         elif option != "method":
             words.append(_said(option, value))
+    words += budget
     return one_line(f"preset {plain}, with {', '.join(words)}") if words else f"preset {plain}"
 
 

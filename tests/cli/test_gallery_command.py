@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from audit.canned import copy_with_canned_audits
 from cli.commands import Command
+from robomore.cli.gallery import _over_reference
+from robomore.runs.gallery import load_gallery
+from robomore.runs.words import number
 
 GALLERY = Path(__file__).parents[2] / "docs" / "results" / "standard"
 
@@ -39,6 +43,16 @@ def test_what_equal_density_leaves_is_of_the_audit(robomore_: Command) -> None:
     )
     assert "kept at equal density" in heading
     assert " 100 %" in ant and " 0.708 %" in cheetah
+
+
+def test_a_gallery_divides_what_the_run_compared() -> None:
+    entry = load_gallery(GALLERY)[0]
+    assert entry.origin is not None and entry.efficiency is not None
+    mean = sum(entry.origin.reference_efficiency) / len(entry.origin.reference_efficiency)
+    assert _over_reference(entry) == number(entry.efficiency / mean, 3)
+    scores = {entry.origin.role: (0.6, 0.8), "reference": (0.2,)}
+    origin = replace(entry.origin, objective="transport-economy", final_score=scores)
+    assert _over_reference(replace(entry, origin=origin)) == "3.50 (transport economy)"
 
 
 def test_what_cannot_be_used_is_refused(copied: Path, tmp_path: Path, robomore_: Command) -> None:

@@ -26,6 +26,7 @@ from robomore.llm.providers import COMPATIBLE_KEY
 from robomore.llm.retry import RetryPolicy
 from robomore.plan import Plan
 from robomore.report.command import command_line
+from robomore.runs import load_run
 from robomore.settings import preset
 from robomore.store import Manifest
 from robomore.tasks import get_task
@@ -350,7 +351,7 @@ def test_options_say_what_the_settings_say() -> None:
     assert not any(getattr(made.budget, one.name) for one in fields(made.budget))
 
 
-def test_the_command_in_a_report_names_the_model_again() -> None:
+def test_the_command_in_a_report_names_the_model_again(finished: Path) -> None:
     model = connect("toy", base_url="http://127.0.0.1:1/v1")
     settings = LLMSettings(diversity=False, repairs=1, sampling=Sampling(temperature=0.5))
     chosen = LanguageModel(model, settings, vision=True, server="http://127.0.0.1:1/v1")
@@ -365,14 +366,15 @@ def test_the_command_in_a_report_names_the_model_again() -> None:
         plan=Plan(()),
         designer_settings=chosen.identity,
     )
-    command = command_line(manifest)
+    run = load_run(finished)
+    command = command_line(replace(run, manifest=manifest))
     assert command is not None
     words = shlex.split(command)
     assert "--history-tokens" not in words and "--designer llm" in command
     _, bound, _ = application().parse_args(words[1:], exit_on_error=False, print_error=False)
     assert language_model(bound.arguments["model"]).identity == chosen.identity
     replayed = replace(manifest, designer_settings={**chosen.identity, "replayed": "content"})
-    assert command_line(replayed) is None
+    assert command_line(replace(run, manifest=replayed)) is None
 
 
 @pytest.mark.parametrize("kind", KINDS[:2])

@@ -10,6 +10,7 @@ import pytest
 from cli.commands import Command
 from robomore.envs import opengl
 from robomore.rendering import video
+from robomore.rendering.recording import Recording
 from robomore.runs import load_run
 
 
@@ -80,3 +81,18 @@ def test_a_policy_that_is_gone_is_named_with_a_remedy(
     assert said.status == 2 and "has no policy" in said.err and said.err.count("\n") == 1
     (copy / "champion" / "policy.npz").unlink()
     assert robomore_("play", copy / "champion").status == 2
+
+
+def test_a_window_shows_no_more_seconds_than_are_told(
+    robomore_: Command, trained_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[float] = []
+
+    def window(recording: Recording) -> bool:
+        shown.append(recording.seconds)
+        return True
+
+    monkeypatch.setattr("robomore.cli.play._has_screen", lambda: True)
+    monkeypatch.setattr("robomore.rendering.window.show_in_window", window)
+    said = robomore_("play", trained_run, "--seconds", "1")
+    assert "m forward in 1.00 s" in said.out and shown == pytest.approx([1.0])

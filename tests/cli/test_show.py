@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from cli.commands import Command
-from fake_run import PROVENANCE, FakeRun, finished_run, foreign_run, random_run, reference_run
+from fake_run import (
+    PROVENANCE,
+    FakeRun,
+    economy_run,
+    finished_run,
+    foreign_run,
+    random_run,
+    reference_run,
+)
 from robomore.runs import load_run
-from robomore.runs.words import with_interval
+from robomore.runs.words import number, with_interval
 from robomore.types import Design, Place, Reward
 
 
@@ -126,3 +135,19 @@ def test_report_writes_where_it_is_told(robomore_: Command, finished: Path, tmp_
     assert (finished / "report.html").stat().st_size > 10_000
     assert robomore_("report", finished, "--out", tmp_path / "page.html").status == 0
     assert (tmp_path / "page.html").is_file()
+
+
+def test_show_begins_with_the_objective(robomore_: Command, tmp_path: Path) -> None:
+    economy_run(tmp_path)
+    run = load_run(tmp_path)
+    said = robomore_("show", tmp_path).out
+    score = run.champion.score(run.objective) if run.champion else None
+    assert score is not None
+    (row,) = [line for line in said.splitlines() if line.startswith("transport economy")]
+    assert number(score.mean) in row
+    assert re.search(r"how the search got there +transport economy +efficiency m/m³", said)
+
+
+def test_replays_are_of_one_run(robomore_: Command, finished: Path, tmp_path: Path) -> None:
+    said = robomore_("report", finished, finished, "--replays", "3", "--out", tmp_path / "a.html")
+    assert said.status == 2 and "--replays are of one run" in said.err

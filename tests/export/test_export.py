@@ -198,6 +198,49 @@ def test_only_a_free_folder_is_written(exported: Path, trained_run: Path, tmp_pa
     assert sorted(p.name for p in copy.iterdir()) == ["README.md", "export.json", "notes.txt"]
 
 
+def test_an_export_is_replaced_and_nothing_else(exported: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(exported, tmp_path / "copy")
+    mine = [copy / "print" / "sliced" / "mine.gcode", copy / "robot" / "notes.txt"]
+    for path in mine:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("mine")
+    ensure_free(copy, force=True)
+    write_all(copy, {"README.md": b"new", "robot/robot.xml": b"new"}, {})
+    left = {p.relative_to(copy).as_posix() for p in copy.rglob("*") if p.is_file()}
+    assert left == {
+        *("README.md", "export.json", "robot/robot.xml"),
+        *("print/sliced/mine.gcode", "robot/notes.txt"),
+    }
+    assert not (copy / "environment").exists() and not (copy / "policy").exists()
+    # What was edited is the editor's, and so is what has a name that an export wants.
+    (copy / "robot" / "robot.xml").write_text("edited")
+    with pytest.raises(InputError, match=r"changed after they were exported \(robot/robot.xml\)"):
+        ensure_free(copy, force=True)
+    (copy / "robot" / "robot.xml").write_bytes(b"new")
+    for name, said in (
+        ("robot/notes.txt", "of your own where the export has one"),
+        ("print/sliced/mine.gcode/x", "a file where a folder is expected"),
+    ):
+        with pytest.raises(InputError, match=said):
+            write_all(copy, {name: b"ours"}, {})
+    assert [path.read_text() for path in mine] == ["mine", "mine"]
+    assert (copy / "robot" / "robot.xml").read_bytes() == b"new"
+
+
+@pytest.mark.parametrize("names", [["../out.txt", "notes.txt"], None, {"a": 1}, "x"])
+def test_a_foreign_record_removes_nothing_else(names: object, tmp_path: Path) -> None:
+    folder = tmp_path / "export"
+    folder.mkdir()
+    for path in (tmp_path / "out.txt", folder / "notes.txt"):
+        path.write_text("kept")
+    sums = dict.fromkeys(names, "0") if isinstance(names, list) else names
+    record = {"made_by": "robomore export", "sha256": sums}
+    (folder / "export.json").write_text(json.dumps(record))
+    ensure_free(folder, force=True)
+    write_all(folder, {"README.md": b"new"}, {})
+    assert (tmp_path / "out.txt").read_text() == (folder / "notes.txt").read_text() == "kept"
+
+
 def test_links_in_the_folder_are_not_followed(exported: Path, tmp_path: Path) -> None:
     outside = tmp_path / "outside"
     outside.mkdir()
@@ -207,7 +250,8 @@ def test_links_in_the_folder_are_not_followed(exported: Path, tmp_path: Path) ->
     (copy / "policy").symlink_to(outside)
     with pytest.raises(InputError, match="symbolic link"):
         ensure_free(copy, force=True)
-    write_all(copy, {"policy/policy.py": b"new"}, {})
+    with pytest.raises(InputError, match="symbolic link"):
+        write_all(copy, {"policy/policy.py": b"new"}, {})
     assert [p.name for p in outside.iterdir()] == ["kept.txt"]
     for name in ("../out.txt", "elsewhere/x", "/etc/x"):
         with pytest.raises(ValueError, match="no part of an export"):

@@ -45,7 +45,7 @@ def test_a_piece_has_its_true_size() -> None:
         '<body><freejoint/><geom type="capsule" fromto="0 0 0 .1 .1 0" size=".02"/>'
         '<body pos=".3 0 0"><geom type="sphere" size=".01"/></body></body>'
     )
-    first, whole = pieces_of(model, Printer(wall=21.0))
+    first, whole = pieces_of(model, Printer(wall=21.0, bed=(400.0, 400.0, 400.0)))
     length, (longest, *_) = 1000 * np.sqrt(0.02), whole.extent
     # Bodies without a joint between them are one piece, which does not hold together here.
     assert first.volume == whole.volume and not first.printable
@@ -80,6 +80,21 @@ def test_what_does_not_fit_or_would_stick_together_is_not_printable() -> None:
     assert 0.5 < scale < 0.95
     told = Printer(bed=small.bed, scale=float(f"{scale:.3g}"))
     assert all("the bed" not in fault for one in pieces_of(model, told) for fault in one.faults)
+
+
+def test_a_rod_longer_than_the_bed_may_lie_across_it() -> None:
+    rod = robot('<body name="rod"><freejoint/><geom type="box" size=".15 .01 .01"/></body>')
+    usual = Printer()
+    pieces = pieces_of(rod, usual)
+    assert all(piece.printable for piece in pieces)
+    across = (300 + 20) / np.sqrt(2)
+    assert pieces[0].extent == pytest.approx((across, across, 20), rel=1e-5)
+    assert fitting_scale(pieces, usual) == pytest.approx(256 / across, rel=0.01)
+    # No turn helps on a bed that is a strip.
+    strip = Printer(bed=(256.0, 30.0, 30.0))
+    long = pieces_of(rod, strip)
+    assert long[0].faults == ("it is 300 x 20 x 20 mm and the bed 256 x 30 x 30 mm",)
+    assert fitting_scale(long, strip) == pytest.approx(256 / 300, rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,16 @@ from typing import Any
 
 import pytest
 
-from fake_run import PROVENANCE, FakeRun, finished_run, foreign_run, random_run, reference_run
+from fake_run import (
+    PROVENANCE,
+    FakeRun,
+    economy,
+    economy_run,
+    finished_run,
+    foreign_run,
+    random_run,
+    reference_run,
+)
 from robomore.report import as_data
 from robomore.runs import load_run
 from robomore.types import Design, Place, Status
@@ -84,6 +93,33 @@ def test_counts_cost_and_lineage(data: dict[str, Any]) -> None:
     assert {failure["status"] for failure in data["failures"]} == {"reward-failed", "timed-out"}
 
 
+def test_the_objective_is_told_whatever_it_is(data: dict[str, Any], tmp_path: Path) -> None:
+    assert data["champion"]["score"] == data["champion"]["efficiency"]
+    assert data["ratio"]["objective"] == data["ratio"]["efficiency"]
+    economy_run(tmp_path)
+    told = as_data(load_run(tmp_path))
+    found, reference = told["found"], told["reference"]
+    scores = [one["score"] for one in found["evaluations"]]
+    assert found["score"]["values"] == scores and found["score"]["interval"]
+    assert found["score"]["mean"] != found["efficiency"]["mean"]
+    assert told["ratio"]["objective"]["mean"] == pytest.approx(
+        found["score"]["mean"] / reference["score"]["mean"]
+    )
+    assert [step["score"] for step in told["lineage"]] == pytest.approx(
+        [economy(step["fitness"], step["volume"]) for step in told["lineage"]]
+    )
+
+
+def test_another_evaluation_is_told_from_the_champion(data: dict[str, Any], tmp_path: Path) -> None:
+    assert data["evaluation"] == ""
+    finished_run(tmp_path)
+    run = load_run(tmp_path)
+    key = run.searched[0].evaluation.key
+    told = as_data(run.focused(key))
+    assert (told["final"], told["evaluation"], told["champion_role"]) == (True, key, "")
+    assert told["champion"]["evaluations"][0]["key"] == key
+
+
 def keys(value: Any) -> Any:
     """Return all names in nested data."""
     if isinstance(value, dict):
@@ -111,7 +147,7 @@ def test_a_run_that_goes_on_has_no_final(tmp_path: Path) -> None:
     data = as_data(load_run(tmp_path))
     assert data["final"] is False
     assert data["champion"] is data["reference"] is None
-    assert data["ratio"] == {"efficiency": None, "fitness": None}
+    assert data["ratio"] == {"objective": None, "efficiency": None, "fitness": None}
     assert data["verdict"] == data["champion_role"] == ""
 
 

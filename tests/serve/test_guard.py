@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+import socket
+from typing import Any, Self
 
 import pytest
 
 pytest.importorskip("starlette", reason="the extra [serve] is not installed")
+pytest.importorskip("uvicorn", reason="the extra [serve] is not installed")
 
+from robomore.serve import running
 from robomore.serve.guard import COOKIE, LOOPBACK, Guard
 from serve.asking import ask
 
@@ -53,6 +56,37 @@ def test_this_machine_is_answered_and_no_page_may_frame_or_guess_it(host: str) -
 )
 def test_other_hosts_and_origins_are_refused(headers: dict[str, str], status: int) -> None:
     assert asked(headers)[0] == status
+
+
+@pytest.mark.parametrize("host", ["192.168.1.5:8765", "[fe80::1]:8765", "10.0.0.7"])
+def test_whoever_has_the_token_may_ask_by_any_address(host: str) -> None:
+    assert asked({"host": host}, query="token=secret", token="secret")[0] == 200
+    assert asked({"host": host}, token="secret")[0] == 401
+    # Without one, whoever can ask is on this machine, and has its names.
+    assert asked({"host": host})[0] == 421
+    assert asked({"host": "evil.example"}, query="token=secret", token="secret")[0] == 421
+
+
+def test_an_address_is_printed_that_others_reach(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Datagrams:
+        def __init__(self, family: int, kind: int) -> None:
+            self.family = family
+
+        def __enter__(self) -> Self:
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def connect(self, address: tuple[str, int]) -> None:
+            if self.family == socket.AF_INET6:
+                raise OSError("no route")
+
+        def getsockname(self) -> tuple[str, int]:
+            return "192.168.1.5", 4321
+
+    monkeypatch.setattr(socket, "socket", Datagrams)
+    assert running._own_address("0.0.0.0") == "192.168.1.5"
+    assert running._own_address("::") == socket.gethostname()
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS"])

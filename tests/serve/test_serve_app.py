@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
+import os
 import shutil
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +22,11 @@ from robomore.events import RunBegan
 from robomore.monitor.progress import Progress, ProgressFile, Under, read_progress
 from robomore.plan import Plan, Stage
 from robomore.rendering.packing import unpack
+from robomore.runs import load_run
+from robomore.runs.words import number
 from robomore.serve import application
+from robomore.serve.app import changes
+from robomore.serve.folder import Look, ServedFolder
 from robomore.text import to_json
 from robomore.types import Place
 from serve.asking import ask
@@ -70,6 +77,73 @@ def test_runs_appear_go_on_end_and_vanish(tmp_path: Path) -> None:
     shutil.rmtree(tmp_path / "a")
     assert ask(app, "/run?name=a/first").status == 404
     assert "There is no run here yet" in page(app, "/")
+
+
+def test_a_small_ratio_has_its_digits(tmp_path: Path) -> None:
+    fake = FakeRun(tmp_path / "one")
+    fake.final(fake.coarse(), found=(0.001,) * 5)
+    run = load_run(tmp_path / "one")
+    assert run.ratio is not None and run.ratio.mean < 0.005
+    assert f"{number(run.ratio.mean, 3)}\N{MULTIPLICATION SIGN}" in page(application(tmp_path), "/")
+
+
+def test_a_change_within_the_rest_is_told_when_the_rest_is_over(tmp_path: Path) -> None:
+    run = FakeRun(tmp_path / "one")
+    run.coarse()
+    folder = ServedFolder(tmp_path)
+    one = folder.run("one")
+    assert one is not None
+
+    async def follow(look: Callable[[], Look]) -> None:
+        stream = changes(look, seconds=0.01)
+        assert await anext(stream) == "changed"
+        found = one.read().run
+        one._rested = time.monotonic() + 60.0
+        # The run ends while the page rests: whoever asked would be given what was read before.
+        os.utime(run.folder.ledger)
+        assert one.read().run is found
+        waiting = asyncio.ensure_future(anext(stream))
+        await asyncio.sleep(0.1)
+        assert not waiting.done()
+        one._rested = 0.0
+        assert await asyncio.wait_for(waiting, 5.0) == "changed"
+        assert one.read().run is not found
+
+    for look in (one.look, folder.look):
+        one._rested = 0.0
+        os.utime(run.folder.ledger)
+        asyncio.run(asyncio.wait_for(follow(look), 30.0))
+
+
+def test_whoever_did_not_ask_hears_of_what_another_page_had_read() -> None:
+    looks = iter(
+        [
+            Look(1, 1, due=False, progress=0),
+            Look(1, 1, due=False, progress=1),
+            Look(2, 1, due=False, progress=1),  # within the rest
+            Look(2, 2, due=False, progress=1),  # another page asked
+            Look(3, 2, due=True, progress=1),
+            Look(3, 3, due=False, progress=1),
+            Look(3, 3, due=False, progress=2),
+        ]
+    )
+
+    async def heard() -> list[str]:
+        told = []
+        stream = changes(lambda: next(looks), seconds=0.0)
+        async for name in stream:
+            told.append(name)
+            if len(told) == 5:
+                break
+        return told
+
+    assert asyncio.run(asyncio.wait_for(heard(), 30.0)) == [
+        "changed",
+        "progress",
+        "changed",
+        "changed",
+        "progress",
+    ]
 
 
 def test_a_run_that_was_killed_is_not_called_running(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -99,6 +100,18 @@ def test_several_runs_are_lines_of_one_figure(run: Run, tmp_path: Path) -> None:
     ax = best_so_far(compare([run, tmp_path]))
     assert [line.get_label() for line in ax.lines] == ["robomore, seed 7", "random, seed 7"]
     assert [line.get_xdata()[-1] for line in ax.lines] == [15_000, 4_000]
+
+
+def test_lines_of_one_method_are_told_apart_and_share_an_axis(run: Run) -> None:
+    budget = replace(run, budget_steps=9_000)
+    said = [str(line.get_label()) for line in best_so_far(compare([run, budget])).lines]
+    assert said[1] == said[0] + ", with budget steps 9,000"
+    settings = replace(run.manifest.settings, objective="fitness")
+    other = replace(run, manifest=replace(run.manifest, settings=settings))
+    with pytest.raises(
+        InputError, match=r"different things \(efficiency \(m/m³\), fitness \(m\)\)"
+    ):
+        best_so_far(compare([run, other]))
 
 
 def test_the_pairs_are_bars_with_a_dot_for_each_seed(run: Run) -> None:

@@ -66,7 +66,7 @@ def show_gallery(folder: Path, as_json: bool) -> None:
             in_unit(one.efficiency, "efficiency", one.task.goal.unit),
             in_unit(one.fitness, "fitness", one.task.goal.unit),
             number(one.facts.volume),
-            number(_over_reference(one), 3),
+            _over_reference(one),
             _kept(one),
             _verdict(one),
         )
@@ -103,7 +103,7 @@ def show_entry(folder: Path, as_json: bool) -> None:
     table.add_column(justify="right")
     unit = one.task.goal.unit
     table.add_row("efficiency", in_unit(one.efficiency, "efficiency", unit))
-    table.add_row("over the reference design", number(_over_reference(one), 3))
+    table.add_row("over the reference design", _over_reference(one))
     table.add_row("fitness", in_unit(one.fitness, "fitness", unit))
     table.add_row("volume m³", number(one.facts.volume))
     for parameter in one.task.parameters:
@@ -119,10 +119,21 @@ def show_entry(folder: Path, as_json: bool) -> None:
         print_audit(one.audit, unit)
 
 
-def _over_reference(one: Entry) -> float | None:
-    reference = one.origin.reference_efficiency if one.origin else ()
+def _over_reference(one: Entry) -> str:
+    """Return the ratio in what the run compared; its name where that is not efficiency."""
+    from robomore.runs.words import number
+
+    origin = one.origin
+    scores = origin.final_score if origin else {}
+    if origin is None or origin.objective in ("", "efficiency") or not scores.get(origin.role):
+        reference = origin.reference_efficiency if origin else ()
+        mean = sum(reference) / len(reference) if reference else 0.0
+        above = one.efficiency
+        return number(above / mean if above is not None and mean > 0 else None, 3)
+    reference, own = scores.get("reference", ()), scores[origin.role]
     mean = sum(reference) / len(reference) if reference else 0.0
-    return one.efficiency / mean if one.efficiency is not None and mean > 0 else None
+    ratio = sum(own) / len(own) / mean if mean > 0 else None
+    return f"{number(ratio, 3)} ({origin.objective.replace('-', ' ')})"
 
 
 def _kept(one: Entry) -> str:

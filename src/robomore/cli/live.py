@@ -18,8 +18,10 @@ from rich.text import Text
 from robomore.cli.output import console
 from robomore.events import BatchBegan, Event, Finished, Observer, Proposed, RunBegan, Spent
 from robomore.monitor import RunState
+from robomore.monitor.remaining import roughly
 from robomore.options import settings_words
-from robomore.runs.words import duration, equation, in_unit
+from robomore.runs.scores import scored
+from robomore.runs.words import duration
 from robomore.text import one_line
 from robomore.types import Evaluation, Place
 
@@ -243,14 +245,7 @@ def _where(state: RunState, place: Place) -> str:
 
 def _told(state: RunState, evaluation: Evaluation, place: Place) -> str:
     unit = state.run.fitness_unit if state.run else ""
-    said = equation(evaluation, unit)
-    efficiency = in_unit(evaluation.efficiency, "efficiency", unit)
-    if state.objective == "efficiency":
-        said = f"{efficiency} = {said}"
-    else:
-        score = in_unit(evaluation.score(state.objective), state.objective, unit)
-        said = f"{score}; {said} = {efficiency}"
-    return f"{said} ({_where(state, place)})"
+    return f"{scored(evaluation, state.objective, unit)} ({_where(state, place)})"
 
 
 def _times(state: RunState) -> str:
@@ -264,12 +259,3 @@ def _times(state: RunState) -> str:
         said += f", {state.search_steps:,} of {run.budget_steps:,} control steps"
     left = state.time_left()
     return f"{said}, about {roughly(left)} left" if left else said
-
-
-def roughly(seconds: float) -> str:
-    """Return a duration without digits that an estimate does not have."""
-    if seconds < 90:
-        return f"{max(10, round(seconds, -1)):.0f} s"
-    if seconds < 2 * 3600:
-        return f"{seconds / 60:.0f} min"
-    return f"{seconds / 3600:.1f} h"

@@ -47,7 +47,8 @@ def play(
         instead of opening a window. Where no window can be opened, a video is written into the
         folder of the run or of the design.
     seconds
-        Length of the video at most; the distance that is told is that of these seconds.
+        What is shown of the episode at most, in a window too; the distance that is told is that of
+        these seconds.
     seed
         Seed of the episode's start.
     drawn
@@ -61,20 +62,19 @@ def play(
     if out is not None:
         refuse_format(out)
     policies = find_policies(design, evaluation, reference, beside)
-    recordings = [policy.recorded(seed) for policy in policies]
+    shown = [policy.recorded(seed).first(seconds) for policy in policies]
     if out is None and not drawn and not beside and _has_screen():
         from robomore.rendering.window import show_in_window
 
-        write(f"{described(recordings[0])}; close the window to end\n")
+        write(f"{described(shown[0])}; close the window to end\n")
         sys.stdout.flush()
-        if show_in_window(recordings[0]):
+        if show_in_window(shown[0]):
             return
         tell("no window could be opened; writing a video instead\n")
     name = policies[0].name + ("-beside" if beside else "")
     path = out or default_path(policies[0].folder, name)
     refuse_format(path)
     tell(f"writing {path} …\n")
-    shown = [recording.first(seconds) for recording in recordings]
     with _progress() as progress:
         why_drawn = write_video(shown, path, seconds, drawn, progress)
     if why_drawn and not drawn:

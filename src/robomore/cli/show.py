@@ -70,7 +70,7 @@ def report(
     evaluation: str | None = None,
     reference: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
-    replays: int = 12,
+    replays: int | None = None,
 ) -> None:
     """Write a run's report as one HTML file that needs nothing else; of several, how they compare.
 
@@ -87,20 +87,26 @@ def report(
         The file; by default `report.html` in the folder, or `report-KEY.html`. Of several runs
         `comparison.html` here, and of a study in its folder.
     replays
-        Designs of the run that are shown in motion at most, champion and reference first.
+        Designs of one run that are shown in motion at most, 12 by default, champion and reference
+        first.
     """
     from robomore.report import write_comparison, write_report
+    from robomore.report.replays import MOST
 
-    if replays < 0:
+    if replays is not None and replays < 0:
         raise InputError(f"--replays is {replays}; give a number from 0")
     if not runs:
         raise InputError("which run? name its folder: robomore report RUN")
     study = len(runs) == 1 and (runs[0] / "cells").is_dir()
     if len(runs) == 1 and not study:
-        write(f"{write_report(chosen_run(runs[0], evaluation, reference), out, replays)}\n")
+        shown = MOST if replays is None else replays
+        write(f"{write_report(chosen_run(runs[0], evaluation, reference), out, shown)}\n")
         return
-    if evaluation or reference:
-        raise InputError("--evaluation and --reference are of one run; name one folder")
+    if evaluation or reference or replays is not None:
+        raise InputError(
+            "--evaluation, --reference and --replays are of one run; leave them out, or name one "
+            "folder"
+        )
     folder = runs[0] if study else Path()
     write(f"{write_comparison(runs, out or folder / 'comparison.html')}\n")
 
@@ -156,7 +162,7 @@ def _print_head(screen: Console, run: Run) -> None:
 
     manifest = run.manifest
     designer = f", designer {manifest.designer}" if manifest.designer else ""
-    said = settings_words(manifest.preset, manifest.settings)
+    said = settings_words(manifest.preset, manifest.settings, run.budget_steps)
     screen.print(
         f"{run.task.title}: {said}; method {manifest.settings.method.name}"
         f"{designer}, seed {manifest.seed}, {'finished' if run.found else 'not finished'}",
@@ -189,16 +195,14 @@ def _print_designs(screen: Console, run: Run) -> None:
     from rich.table import Table
 
     from robomore.runs.words import duration, number
-    from robomore.tasks.fitness import per_volume
 
     shown = [one for one in (run.champion, run.reference) if one]
     table = Table(box=None, pad_edge=False)
     table.add_column("")
     for one in shown:
         table.add_column(one.name, justify="right")
-    unit = run.fitness_unit
-    table.add_row(f"efficiency {per_volume(unit)}", *(_cell(one.efficiency) for one in shown))
-    table.add_row(f"fitness {unit}".rstrip(), *(_cell(one.fitness) for one in shown))
+    for name, heading in _compared(run).items():
+        table.add_row(heading, *(_cell(one.score(name)) for one in shown))
     table.add_row("volume m³", *(number(one.volume) for one in shown))
     table.add_row("mass / volume kg/m³", *(number(one.body.get("density")) for one in shown))
     table.add_row("training seeds", *(str(len(one.trained)) for one in shown))
@@ -252,17 +256,16 @@ def _print_lineage(screen: Console, run: Run) -> None:
     from rich.table import Table
 
     from robomore.runs.words import number
-    from robomore.tasks.fitness import per_volume
 
     table = Table(box=None, pad_edge=False)
     table.add_column("how the search got there")
-    unit = run.fitness_unit
-    for heading in (f"efficiency {per_volume(unit)}", f"fitness {unit}".rstrip(), "volume m³"):
+    compared = _compared(run)
+    for heading in (*compared.values(), "volume m³"):
         table.add_column(heading, justify="right")
     for record in run.lineage:
         one = record.evaluation
-        numbers = (number(value) for value in (one.efficiency, one.fitness, one.volume))
-        table.add_row(run.plan.describe(record.place), *numbers)
+        numbers = [*(one.score(name) for name in compared), one.volume]
+        table.add_row(run.plan.describe(record.place), *map(number, numbers))
     if table.row_count:
         screen.print()
         screen.print(table)
@@ -282,6 +285,16 @@ def _print_warnings(screen: Console, run: Run) -> None:
     for warning in run.warnings:
         if run.pairs is None or warning != run.pairs.verdict:
             screen.print(f"- {warning}", style="yellow")
+
+
+def _compared(run: Run) -> dict[str, str]:
+    """Return the headings of what designs are told by, the objective first."""
+    from robomore.runs.words import unit_of
+
+    return {
+        name: f"{name.replace('-', ' ')} {unit_of(name, run.fitness_unit)}".rstrip()
+        for name in (run.objective, "efficiency", "fitness")
+    }
 
 
 def _cell(measured: Spread | None) -> str:

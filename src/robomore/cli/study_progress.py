@@ -7,9 +7,9 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from robomore.cli.live import roughly
 from robomore.events import Event, Finished, Observer, RunBegan
 from robomore.monitor import RunState
+from robomore.monitor.remaining import roughly
 from robomore.runs import Run
 from robomore.runs.words import duration, in_unit
 from robomore.studies import Cell

@@ -11,7 +11,7 @@ from robomore.errors import InputError
 from robomore.export.environment import environment_id, package_name, stands_alone
 from robomore.export.printing import Piece, Printer, fitting_scale, in_mm
 from robomore.export.urdf import lost_in_urdf
-from robomore.report.command import command_line
+from robomore.report.command import TASK_FILE, command_line, from_task_file
 from robomore.runs import Run
 from robomore.runs.words import in_unit, label, measured, number, with_interval
 from robomore.text import one_line, text_only
@@ -119,9 +119,11 @@ def _training(run: Run, evaluation: Evaluation, model: mujoco.MjModel) -> list[s
         f"method {text_only(run.manifest.settings.method.name)}",
         f"- Versions: {used}",
     ]
-    command = command_line(run.manifest)
+    command = command_line(run)
     if command:
         lines += ["", "The run is repeated by", "", f"    {one_line(command)}"]
+    if command and from_task_file(run):
+        lines += ["", f"where `{TASK_FILE}` stands for the task file that it was given."]
     return [*lines, ""]
 
 

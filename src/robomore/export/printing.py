@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -70,7 +70,9 @@ class Piece:
     Attributes:
         name: of its first body; `whole` for the whole robot.
         volume: in mm³, overlaps counted once.
-        extent: edges in mm of a small box around it, the longest first.
+        extent: edges in mm of a small box around it, the longest first: of the boxes that fit the
+            bed, if any does.
+        room: by how much it could be larger and still fit the bed; below 1 if it does not fit.
         wall: its thinnest wall, in mm.
         triangles: of its surface.
         faults: why it cannot be printed; empty if it can.
@@ -81,6 +83,7 @@ class Piece:
     name: str
     volume: float
     extent: tuple[float, float, float]
+    room: float
     wall: float
     triangles: int
     faults: tuple[str, ...]
@@ -124,9 +127,7 @@ def in_mm(edges: Iterable[float]) -> str:
 
 def fitting_scale(pieces: list[Piece], printer: Printer) -> float:
     """Return the largest scale at which every piece fits the bed, down to three digits."""
-    bed = sorted(printer.bed, reverse=True)
-    shares = [side / edge for piece in pieces for edge, side in zip(piece.extent, bed, strict=True)]
-    return _rounded_down(printer.scale * min(shares))
+    return _rounded_down(printer.scale * min(piece.room for piece in pieces))
 
 
 def _rounded_down(scale: float) -> float:
@@ -199,9 +200,12 @@ def _piece(
         if not broken:
             break
     bed = sorted(printer.bed, reverse=True)
-    extent, wall = _extent(vertices), _thinnest(solid) if wall is None else wall
+    boxes = _boxes(vertices)
+    room = max(_room(box, bed) for box in boxes)
+    extent = min((box for box in boxes if room < 1 or _room(box, bed) >= 1), key=math.prod)
+    wall = _thinnest(solid) if wall is None else wall
     found = [*broken, *faults]
-    if any(edge > side for edge, side in zip(extent, bed, strict=True)):
+    if room < 1:
         found.append(f"it is {in_mm(extent)} and the bed {in_mm(bed)}")
     if wall < printer.wall:
         found.append(f"its thinnest wall is {wall:.2f} mm, below {printer.wall:g} mm")
@@ -211,6 +215,7 @@ def _piece(
         name=name,
         volume=float(solid.volume()),
         extent=extent,
+        room=room,
         wall=wall,
         triangles=int(solid.num_tri()),
         faults=tuple(found),
@@ -242,8 +247,16 @@ def _threemf(vertices: NDArray[np.float32], triangles: NDArray[np.uint32]) -> by
     return content
 
 
-def _extent(points: NDArray[np.float32]) -> tuple[float, float, float]:
-    """Return the edges of the smallest box around points, of boxes turned in many ways."""
+def _room(box: Sequence[float], bed: Sequence[float]) -> float:
+    """Return by how much a box can grow within the bed; the edges of both from the longest on."""
+    return min(side / edge for edge, side in zip(box, bed, strict=True))
+
+
+def _boxes(points: NDArray[np.float32]) -> list[tuple[float, float, float]]:
+    """Return the edges, from the longest on, of boxes around points that are turned in many ways.
+
+    The smallest is not always the one that fits: a rod that is longer than the bed may lie across.
+    """
     centred = points - points.mean(axis=0)
     frames = [np.eye(3), np.linalg.svd(centred.T @ centred)[0]]
     for axis in range(3):
@@ -253,9 +266,11 @@ def _extent(points: NDArray[np.float32]) -> tuple[float, float, float]:
             sine, cosine = np.sin(angle), np.cos(angle)
             turned[others] = [[cosine, -sine], [sine, cosine]]
             frames.append(turned)
-    boxes = [np.ptp(centred @ frame, axis=0) for frame in frames]
-    longest, middle, shortest = sorted(min(boxes, key=np.prod).tolist(), reverse=True)
-    return longest, middle, shortest
+    boxes = []
+    for frame in frames:
+        longest, middle, shortest = sorted(np.ptp(centred @ frame, axis=0).tolist(), reverse=True)
+        boxes.append((longest, middle, shortest))
+    return boxes
 
 
 def _thinnest(solid: Manifold) -> float:

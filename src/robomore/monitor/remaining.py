@@ -230,3 +230,12 @@ def _passing(stage: Stage, speed: Speed, steps: float, batches: float, workers: 
     one = speed.seconds(length)
     tail = batches * one * (1 - 1 / workers) / 2
     return max(batches * one, speed.seconds(steps, steps / length) / workers + tail)
+
+
+def roughly(seconds: float) -> str:
+    """Return a duration without digits that an estimate does not have."""
+    if seconds < 90:
+        return f"{max(10, round(seconds, -1)):.0f} s"
+    if seconds < 2 * 3600:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"

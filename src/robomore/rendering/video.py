@@ -210,8 +210,7 @@ def draw_frames(
         scene = project(
             model, data, view, ground_lines(view, middle, 0.75 * metres, spacing, ground)
         )
-        seconds = index * stride * recording.dt
-        caption = _caption(recording, seconds, float(middle[0]))
+        caption = _caption(recording, index * stride)
         yield image(scene, Frame(centre, metres, WIDTH, HEIGHT), caption)
 
 
@@ -272,13 +271,17 @@ def _label(
 
     pen, font = ImageDraw.Draw(picture), ImageFont.load_default(14.0)
     for row, one in enumerate(recordings):
-        place = min(index * stride, len(one.roots) - 1)
-        text = _caption(one, index * stride * one.dt, float(one.roots[place, 0]))
-        pen.text((12, row * HEIGHT + 10), text, "#222222", font)
+        pen.text((12, row * HEIGHT + 10), _caption(one, index * stride), "#222222", font)
 
 
-def _caption(recording: Recording, seconds: float, x: float) -> str:
-    return f"{shortened(recording.title)}   {seconds:5.1f} s   x = {x:.1f} m"
+def _caption(recording: Recording, step: int) -> str:
+    """Return name, time and way from the start, which fitness counts too, after so many steps.
+
+    The last pose stays once the episode has ended.
+    """
+    roots = recording.roots
+    x = float(roots[min(step, len(roots) - 1), 0] - roots[0, 0])
+    return f"{shortened(recording.title)}   {step * recording.dt:5.1f} s   x = {x:.1f} m"
 
 
 def _thinnest(recordings: Sequence[Recording], metres: float) -> float:

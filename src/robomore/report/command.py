@@ -3,31 +3,50 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 
 from robomore.designers.llm.designer import LLMSettings
 from robomore.options import changes
-from robomore.store import Manifest
+from robomore.runs import Run
+from robomore.store import Manifest, RunFolder
+
+TASK_FILE = "TASK.toml"
+"""What a command says for a task file: where that lay is not kept."""
+
+_NAMELESS = re.compile(r"start \d+")
+"""How a start that was given as a value in Python is called; no path leads to it."""
 
 
-def command_line(manifest: Manifest) -> str | None:
+def from_task_file(run: Run) -> bool:
+    """Return whether the task of a run came from a file, so that its id does not name it."""
+    return RunFolder(run.folder).task.is_file()
+
+
+def command_line(run: Run) -> str | None:
     """Return the command that gives the same run, or `None` where none can.
 
-    That is where its settings are nobody's preset, or where another run's exchanges were replayed.
+    That is where its settings are nobody's preset, where another run's exchanges were replayed, or
+    where it started from values that were given in Python.
 
-    Only the folder is left out: by default it is named after all that the command says.
+    Only the folder is left out: by default it is named after all that the command says. A task
+    file is called `TASK_FILE`.
     """
+    manifest = run.manifest
     preset = manifest.preset.split("-")[0]
     options = changes(preset, manifest.settings)
     try:
         model = _model_options(manifest)
     except (KeyError, TypeError, AttributeError):  # settings that no RoboMoRe wrote
         return None
-    if options is None or model is None:
+    nameless = any(_NAMELESS.fullmatch(start.origin) for start in manifest.starts)
+    if options is None or model is None or nameless:
         return None
-    words = ["robomore", "run", manifest.task, "--preset", preset]
+    task = TASK_FILE if from_task_file(run) else manifest.task
+    words = ["robomore", "run", task, "--preset", preset]
     words += ["--designer", manifest.designer] if manifest.designer else []
     words += [*model, "--seed", str(manifest.seed)]
+    words += [] if run.budget_steps is None else ["--budget-steps", str(run.budget_steps)]
     for start in manifest.starts:
         words += ["--start-from", start.origin]
     for option, value in options.items():

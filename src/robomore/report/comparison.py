@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
 from typing import Any
@@ -14,37 +13,20 @@ from robomore.errors import InputError
 from robomore.report.page import templates, write_page
 from robomore.report.plots import BOTTOM, LEFT, RIGHT, TOP, WIDTH
 from robomore.report.replays import kept_policies, recorded
+from robomore.report.run_groups import Group, run_groups
 from robomore.report.scripts import with_scripts
 from robomore.report.svg import axes, axis_around, element, figure, tip
 from robomore.runs import Run, load_run
 from robomore.runs.comparison import Comparison
-from robomore.runs.progress import progress
+from robomore.runs.progress import Point, progress
 from robomore.runs.words import label, number
-from robomore.statistics.spread import Spread, ratio, spread
+from robomore.statistics.spread import FEWEST, Spread, ratio, spread
 from robomore.text import sanitize
 
 MOST_MOVING = 8
 """Champions in one picture."""
 _HEIGHT = 290.0
 _BUDGETS = 40
-_COLOURS = 6
-
-
-@dataclass(frozen=True, slots=True)
-class Group:
-    """The runs of one method on one task.
-
-    Attributes:
-        task: title of the task.
-        name: of the method, with the designer.
-        kind: classes of its colour and dashes.
-        runs: with different seeds.
-    """
-
-    task: str
-    name: str
-    kind: str
-    runs: tuple[Run, ...]
 
 
 def write_comparison(folders: Sequence[Path], out: Path) -> Path:
@@ -55,13 +37,17 @@ def write_comparison(folders: Sequence[Path], out: Path) -> Path:
         out: the file.
 
     Raises:
-        InputError: there is no run, or the file cannot be written.
+        InputError: a folder holds no run, or the file cannot be written.
         RunFolderError: a folder is no run folder.
     """
-    found = [load_run(path) for folder in folders for path in run_folders(folder)]
-    if not found:
-        raise InputError("there is no run to compare; name folders of runs, or of a study")
-    return write_page(render_comparison(found), out)
+    paths = {folder: run_folders(folder) for folder in folders}
+    if empty := [str(folder) for folder, those in paths.items() if not those]:
+        raise InputError(
+            f"there is no run in {', '.join(empty)}; name folders of runs, or of a study"
+        )
+    return write_page(
+        render_comparison([load_run(path) for those in paths.values() for path in those]), out
+    )
 
 
 def run_folders(folder: Path) -> list[Path]:
@@ -73,25 +59,33 @@ def run_folders(folder: Path) -> list[Path]:
 
 def render_comparison(runs: Sequence[Run]) -> str:
     """Return the page that compares runs as HTML text."""
-    groups = _groups(runs)
+    groups = run_groups(runs)
+    rows = _rows(groups)
     packs, moving = _episodes(groups)
-    tasks = list(dict.fromkeys(group.task for group in groups))
     units = {run.fitness_unit for run in runs}
     compared = {label(run.objective, run.fitness_unit) for run in runs}
+    # One picture has one axis: fitness and efficiency do not share it.
+    pictures = dict.fromkeys((group.task, _compared(group)) for group in groups)
     page = (
         templates()
         .get_template("comparison.html")
         .render(
             runs=runs,
             unit=units.pop() if len(units) == 1 else "",
-            found=compared.pop() if len(compared) == 1 else "",
+            found=next(iter(compared)) if len(compared) == 1 else "",
             groups=groups,
-            rows=_rows(groups),
+            rows=rows,
+            partly=any(row["counted"] < row["runs"] for row in rows),
             lines=Comparison(tuple(runs)).rows(),
             curves=[
-                (task, Markup(drawn), [g for g in groups if g.task == task])
-                for task in tasks
-                if (drawn := _curves([g for g in groups if g.task == task]))
+                (
+                    f"{task}: {what}" if len(compared) > 1 else task,
+                    Markup(drawn),
+                    [(group, _band(group)) for group in those],
+                )
+                for task, what in pictures
+                if (those := [g for g in groups if (g.task, _compared(g)) == (task, what)])
+                and (drawn := _curves(those))
             ],
             stage=moving,
         )
@@ -99,25 +93,8 @@ def render_comparison(runs: Sequence[Run]) -> str:
     return with_scripts(sanitize(page), packs)
 
 
-def _groups(runs: Sequence[Run]) -> list[Group]:
-    found: dict[tuple[str, str], list[Run]] = {}
-    for run in runs:
-        manifest = run.manifest
-        name = manifest.settings.method.name
-        name += f", {manifest.designer}" if manifest.designer else ""
-        if run.folder.parent.name == "cells":  # of a study, whose arms are named in its folders
-            name = run.folder.name.removeprefix(f"{manifest.task}-").rpartition("-s")[0] or name
-        found.setdefault((run.task.title, name), []).append(run)
-    names = list(dict.fromkeys(name for _, name in found))
-    return [
-        Group(task, name, _kind(names.index(name)), tuple(those))
-        for (task, name), those in found.items()
-    ]
-
-
-def _kind(number: int) -> str:
-    """Return the classes of a method's line: a colour, and dashes where colours come again."""
-    return f"term-{number % _COLOURS}" + (" again" if number >= _COLOURS else "")
+def _compared(group: Group) -> str:
+    return label(group.objective, group.runs[0].fitness_unit)
 
 
 def _rows(groups: Sequence[Group]) -> list[dict[str, Any]]:
@@ -129,6 +106,7 @@ def _rows(groups: Sequence[Group]) -> list[dict[str, Any]]:
         {
             "group": group,
             "runs": len(group.runs),
+            "counted": sum(_found(run) is not None for run in group.runs),
             "found": _over(group, _found),
             "ratio": _over(group, _ratio),
             "fitness": _over(group, lambda run: run.found.fitness if run.found else None),
@@ -160,7 +138,7 @@ def _mean(values: Sequence[float]) -> float | None:
 
 
 def _curves(groups: Sequence[Group]) -> str:
-    """Return the best so far over the search's training: means, and bands from least to largest."""
+    """Return the best so far over the search's training: means with their bands (`_band`)."""
     lines = [(group, line) for group in groups if (line := _line(group))]
     if not lines:
         return ""
@@ -171,13 +149,12 @@ def _curves(groups: Sequence[Group]) -> str:
     ends = [steps for _, line in lines for steps, *_ in line]
     x = axis_around([0.0, *ends], LEFT, WIDTH - RIGHT)
     y = axis_around(every if positive else [*every, 0.0], _HEIGHT - BOTTOM, TOP, log=positive)
-    first = groups[0].runs[0]
     parts = [
         axes(
             x,
             y,
             "control steps of training in the search",
-            label(first.objective, first.fitness_unit),
+            _compared(groups[0]),
         )
     ]
     for group, line in lines:
@@ -186,14 +163,14 @@ def _curves(groups: Sequence[Group]) -> str:
         middle = "L".join(f"{x.at(s):.1f} {y.at(mean):.1f}" for s, _, mean, _ in line)
         parts.append(element("path", d=f"M{upper}L{lower}Z", klass=f"band {group.kind}"))
         said = f"{group.name}: {number(line[-1][2])} after {line[-1][0]:,.0f} steps"
-        said += f", mean of {len(group.runs)} runs"
+        said += f", mean of {_share(len(_searches(group)), len(group.runs))}; band: {_band(group)}"
         parts.append(tip(said, element("path", d=f"M{middle}", klass=f"curve {group.kind}")))
     return figure(WIDTH, _HEIGHT, "Best so far of each method", parts)
 
 
 def _line(group: Group) -> list[tuple[float, float, float, float]]:
     """Return (steps, low, mean, high) from where all runs of a method have a first result."""
-    found = [points for run in group.runs if (points := progress(run))]
+    found = _searches(group)
     if not found:
         return []
     begin = max(points[0].steps for points in found)
@@ -202,8 +179,28 @@ def _line(group: Group) -> list[tuple[float, float, float, float]]:
     for i in range(_BUDGETS):
         steps = begin + (end - begin) * i / (_BUDGETS - 1)
         best = [[p.best for p in points if p.steps <= steps][-1] for points in found]
-        line.append((float(steps), min(best), fmean(best), max(best)))
+        low, high = spread(best).interval or (min(best), max(best))
+        line.append((float(steps), low, fmean(best), high))
     return line
+
+
+def _searches(group: Group) -> list[tuple[Point, ...]]:
+    """Return how far each search came; of those in which nothing was trained, nothing."""
+    return [points for run in group.runs if (points := progress(run))]
+
+
+def _band(group: Group) -> str:
+    """Return what the band around a method's line is."""
+    count = len(_searches(group))
+    if count >= FEWEST:
+        return f"95 % interval of the mean over {_share(count, len(group.runs))}"
+    if count > 1:
+        return f"least to largest of {_share(count, len(group.runs))}"
+    return "none, of one run" if count else "nothing was trained"
+
+
+def _share(count: int, of: int) -> str:
+    return f"{count} runs" if count == of else f"{count} of {of} runs"
 
 
 def _episodes(groups: Sequence[Group]) -> tuple[dict[str, bytes], list[tuple[str, str]]]:

@@ -46,11 +46,11 @@ def parameter_rows(run: Run) -> list[ParameterRow]:
 
 
 def seed_dots(run: Run, name: str) -> str:
-    """Return fitness or efficiency of both designs: a dot for each training seed, a bar the mean.
+    """Return a number of both designs: a dot for each training seed, a bar the mean.
 
     Args:
         run: with a final.
-        name: `fitness` or `efficiency`.
+        name: `fitness`, `efficiency`, or what the run compared.
     """
     designs = [run.reference] if run.champion_role == "reference" else [run.champion, run.reference]
     shown = [(one, found) for one in designs if one and (found := one.score(name)) is not None]

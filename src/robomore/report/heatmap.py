@@ -6,7 +6,8 @@ import math
 
 from robomore.report.svg import element, figure, text, tip
 from robomore.runs.grid import Cell, Grid
-from robomore.runs.words import equation, in_unit, number, unit_of
+from robomore.runs.scores import scored
+from robomore.runs.words import number, unit_of
 
 _ANCHORS = ((38, 30, 74), (49, 94, 140), (41, 150, 130), (145, 196, 76), (252, 226, 92))
 """Dark to bright in even steps of lightness, so that it reads without colour too."""
@@ -23,7 +24,7 @@ def heatmap(grid: Grid, objective: str, unit: str) -> str:
 
     Args:
         grid: of a run.
-        objective: what is shown, `efficiency` or `fitness`.
+        objective: what is shown.
         unit: of the task's fitness.
     """
     rows, columns = grid.shape
@@ -79,8 +80,7 @@ def _cell(
         shown = _box(x, y, width, klass="cell-failed")
         return element("g", tip(said, shown + mark, evaluation.key), klass="failed")
     said = (
-        f"{name}: {in_unit(evaluation.efficiency, 'efficiency', unit)} = "
-        f"{equation(evaluation, unit)} after {evaluation.job.steps:,} "
+        f"{name}: {scored(evaluation, objective, unit)} after {evaluation.job.steps:,} "
         f"steps{', cut by screening' if cell.cut else ''}. "
         f"{evaluation.design.morphology.idea} / {evaluation.design.reward.idea}"
     )

@@ -23,6 +23,7 @@ def as_data(run: Run) -> dict[str, Any]:
         "provenance": manifest.provenance,
         "seed": manifest.seed,
         "objective": run.objective,
+        "budget_steps": run.budget_steps,
         "plan": [
             {
                 "name": stage.name,
@@ -40,16 +41,19 @@ def as_data(run: Run) -> dict[str, Any]:
             "unit_per_volume": run.task.goal.per_volume,
         },
         "starts": [start.origin for start in run.manifest.starts],
-        "final": run.final,
+        # Of the run, also where one evaluation stands in the champion's place.
+        "final": run.found is not None,
+        "evaluation": run.focus,
         "champion_role": run.champion_role,
-        "champion": _group(run.champion),
-        "found": _group(run.found),
-        "reference": _group(run.reference),
-        "morphology_only": _group(run.morphology_only),
-        "reward_only": _group(run.reward_only),
+        "champion": _group(run.champion, run.objective),
+        "found": _group(run.found, run.objective),
+        "reference": _group(run.reference, run.objective),
+        "morphology_only": _group(run.morphology_only, run.objective),
+        "reward_only": _group(run.reward_only, run.objective),
         "audit": audit.as_data() if audit else None,
         "verdict": run.pairs.verdict if run.pairs else "",
         "ratio": {
+            "objective": _spread(run.ratio),
             "efficiency": _spread(run.efficiency_ratio),
             "fitness": _spread(run.fitness_ratio),
         },
@@ -81,7 +85,7 @@ def as_data(run: Run) -> dict[str, Any]:
     }
 
 
-def _group(one: TrainedDesign | None) -> dict[str, Any] | None:
+def _group(one: TrainedDesign | None, objective: str) -> dict[str, Any] | None:
     if one is None:
         return None
     design, job = one.design, one.evaluations[0].job
@@ -89,6 +93,7 @@ def _group(one: TrainedDesign | None) -> dict[str, Any] | None:
         "parameters": one.parameters,
         "reward": design.reward.source,
         "ideas": {"morphology": design.morphology.idea, "reward": design.reward.idea},
+        "score": _spread(one.score(objective)),
         "fitness": _spread(one.fitness),
         "volume": one.volume,
         "efficiency": _spread(one.efficiency),
@@ -102,6 +107,7 @@ def _group(one: TrainedDesign | None) -> dict[str, Any] | None:
                 "seed": evaluation.job.seed,
                 "status": str(evaluation.status),
                 "diagnosis": evaluation.diagnosis,
+                "score": evaluation.score(objective),
                 "fitness": evaluation.fitness,
                 "efficiency": evaluation.efficiency,
             }
@@ -129,6 +135,7 @@ def _step(record: Record, run: Run) -> dict[str, Any]:
         "changed": place.changed,
         "key": evaluation.key,
         "parent": place.parent,
+        "score": evaluation.score(run.objective),
         "fitness": evaluation.fitness,
         "volume": evaluation.volume,
         "efficiency": evaluation.efficiency,

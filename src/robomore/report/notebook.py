@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from robomore.errors import RoboMoReError
+from robomore.errors import InvalidMorphology, RoboMoReError
 from robomore.rendering.drawing import draw
 from robomore.rendering.pictures import frame_around, svg
 from robomore.rendering.recording import record
@@ -40,17 +40,19 @@ def notebook_html(run: Run) -> str:
     )
     parts = [f"<p><strong>{_text(head)}</strong></p>"]
     if designs:
-        parts += [_table(designs, run.fitness_unit), _moving(run, designs)]
+        parts += [_table(run, designs), _moving(run, designs)]
     parts += [f"<p>{_text(said)}</p>" for said in run.warnings[:3]]
     return f"<div>{''.join(parts)}</div>"
 
 
-def _table(designs: list[TrainedDesign], fitness: str) -> str:
+def _table(run: Run, designs: list[TrainedDesign]) -> str:
     rows = [("", *(one.name for one in designs))]
-    for name in ("efficiency", "fitness"):
-        unit = unit_of(name, fitness)
-        spreads = [getattr(one, name) for one in designs]
-        rows.append((name, *(with_interval(one, unit) if one else "-" for one in spreads)))
+    for name in dict.fromkeys((run.objective, "efficiency", "fitness")):
+        unit = unit_of(name, run.fitness_unit)
+        spreads = [one.score(name) for one in designs]
+        rows.append(
+            (name.replace("-", " "), *(with_interval(one, unit) if one else "-" for one in spreads))
+        )
     rows.append(("volume", *(f"{number(one.volume)} m³" for one in designs)))
     lines = ("".join(f"<td>{_text(cell)}</td>" for cell in row) for row in rows)
     return f"<table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
@@ -92,7 +94,10 @@ def _replay(run: Run, keys: tuple[str, ...], names: tuple[str, ...]) -> bytes:
 
 
 def _still(task: Task, design: TrainedDesign) -> str:
-    scene = draw(task, design.design.morphology.parameters)
+    try:
+        scene = draw(task, design.design.morphology.parameters)
+    except InvalidMorphology:  # what an edited task trained, the task of today may refuse
+        return ""
     picture = svg(scene, frame_around(scene, *_PICTURE), design.name)
     return f'<span style="display:inline-block;width:{_PICTURE[0]}px">{picture}</span>'
 

@@ -16,7 +16,7 @@ from robomore.errors import InvalidMorphology
 from robomore.options import settings_words
 from robomore.plain_files import cannot_write, write_plain
 from robomore.report.audit_words import in_sum
-from robomore.report.command import command_line
+from robomore.report.command import TASK_FILE, command_line, from_task_file
 from robomore.report.comparison_plot import parameter_rows, seed_dots
 from robomore.report.diversity import diversity
 from robomore.report.heatmap import heatmap
@@ -37,10 +37,10 @@ from robomore.runs import Run, load_run
 from robomore.runs.audits import audit_of
 from robomore.runs.grid import grids
 from robomore.runs.pareto import in_words
+from robomore.runs.scores import made_of
 from robomore.runs.slimmed import over_slimmed
 from robomore.runs.words import (
     duration,
-    equation,
     in_unit,
     label,
     measured,
@@ -131,11 +131,14 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             champion=run.champion,
             reference=run.reference,
             unit=unit_of(run.objective, unit),
+            compared=dict.fromkeys((run.objective, "efficiency", "fitness")),
             stage=stage,
             audit=audit,
             audited=in_sum(audit, unit) if audit else (),
             grids=[(grid.stage.name, heatmap(grid, run.objective, unit)) for grid in grids(run)],
-            settings_words=settings_words(run.manifest.preset, run.manifest.settings),
+            settings_words=settings_words(
+                run.manifest.preset, run.manifest.settings, run.budget_steps
+            ),
             slimmed=over_slimmed(run),
             stages={name: kind for name, kind in stage_classes(run).items() if name in searched},
             best_so_far=best_so_far(run),
@@ -144,11 +147,15 @@ def _still_page(run: Run, packs: Mapping[str, bytes]) -> str:
             fitness_over_energy=fitness_over_energy(run),
             pareto=in_words(run),
             diversity=diversity(run),
-            dots={name: seed_dots(run, name) for name in ("efficiency", "fitness")},
+            dots={
+                name: seed_dots(run, name)
+                for name in dict.fromkeys((run.objective, "efficiency", "fitness"))
+            },
             curves=learning_curves(run),
             drawings=_drawings(scenes),
             parameters=parameter_rows(run),
-            command=command_line(run.manifest),
+            command=command_line(run),
+            task_file=TASK_FILE if from_task_file(run) else "",
             share_image=share_image(scenes, f"{run.task.title} · RoboMoRe"),
         )
     )
@@ -170,8 +177,8 @@ def templates() -> Environment:
         "short": short,
         "duration": duration,
         "label": _labelled,
-        "equation": equation,
         "in_unit": in_unit,
+        "made_of": made_of,
         "measured": measured,
         "place": _described,
         "with_interval": with_interval,

@@ -51,6 +51,8 @@ class Origin:
         final_fitness: of each pair of the final by its role, one for each seed that trained, in the
             goal's unit; empty in entries of older versions.
         final_efficiency: likewise, over the volume in m³.
+        objective: what the run compared; empty in entries of older versions.
+        final_score: likewise of the pairs, in the objective.
         versions: of the packages that decide the numbers.
         containment: how rewards were kept in, where that was not strictly; else empty.
     """
@@ -67,6 +69,8 @@ class Origin:
     reference_efficiency: tuple[float, ...] = ()
     final_fitness: dict[str, tuple[float, ...]] = field(default_factory=dict)
     final_efficiency: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    objective: str = ""
+    final_score: dict[str, tuple[float, ...]] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)
     containment: str = ""
 
@@ -187,7 +191,7 @@ def add_entry(run: Run, gallery: Path) -> Path:
     manifest = run.manifest
     origin = Origin(
         preset=manifest.preset,
-        settings=settings_words(manifest.preset, manifest.settings),
+        settings=settings_words(manifest.preset, manifest.settings, run.budget_steps),
         method=manifest.settings.method.name,
         designer=manifest.designer,
         provenance=manifest.provenance,
@@ -198,6 +202,8 @@ def add_entry(run: Run, gallery: Path) -> Path:
         reference_efficiency=_values(reference, "efficiency"),
         final_fitness={role: _values(getattr(run, role), "fitness") for role in _ROLES},
         final_efficiency={role: _values(getattr(run, role), "efficiency") for role in _ROLES},
+        objective=run.objective,
+        final_score={role: _values(getattr(run, role), run.objective) for role in _ROLES},
         versions=manifest.versions,
         containment=run.containment,
     )

@@ -54,6 +54,7 @@ def load_run(folder: str | Path) -> Run:
     # A final is no last word once its search goes on with another budget.
     since = max((n for n, event in enumerate(events) if event.kind == "budget"), default=0)
     ends = [event for event in events[since:] if event.kind == "finished"]
+    budgets = [event.body.get("steps") for event in events if event.kind == "budget"]
     relaxed = [event.body.get("layers") for event in events if event.kind == "containment"]
     with closing(LedgerExchanges(files.ledger, read_only=True)) as exchanges:
         spending = exchanges.spent()
@@ -93,6 +94,7 @@ def load_run(folder: str | Path) -> Run:
         task_changes=_changes(manifest.task_parts, fingerprint(task)),
         passed_over=_passed_over(task, records, manifest, ends[-1].body if ends else {}),
         containment=one_line(str(relaxed[-1])) if relaxed else "",
+        budget_steps=budgets[-1] if budgets and isinstance(budgets[-1], int) else None,
     )
     if champion is None and (best := best_of((r.evaluation for r in run.searched), run.objective)):
         return replace(run, champion=trained_design("best so far", task, [best]))

@@ -78,6 +78,7 @@ class Run:
         task_changes: parts of the task that were edited since the run.
         passed_over: designs that failed their audit and could not be champion, and why.
         containment: how rewards were kept in, in words, where that was not strictly; else empty.
+        budget_steps: control steps that the search might use; `None` for no bound.
         focus: key of the evaluation that stands in the champion's place (`focused`); else empty.
     """
 
@@ -100,6 +101,7 @@ class Run:
     task_changes: tuple[str, ...]
     passed_over: tuple[str, ...] = ()
     containment: str = ""
+    budget_steps: int | None = None
     focus: str = ""
 
     def __repr__(self) -> str:

@@ -6,7 +6,6 @@ import asyncio
 import threading
 from collections.abc import AsyncIterator, Callable, Collection
 from pathlib import Path
-from typing import Any
 
 from sse_starlette.sse import EventSourceResponse
 from starlette.applications import Starlette
@@ -19,7 +18,7 @@ from starlette.routing import Route
 from robomore.report.page import render
 from robomore.report.replays import kept_policies, recorded
 from robomore.report.scripts import bundle, policy, style
-from robomore.serve.folder import ServedFolder, Watched, why_not_shown
+from robomore.serve.folder import Look, ServedFolder, Watched, why_not_shown
 from robomore.serve.guard import LOOPBACK, Guard
 from robomore.serve.live import overview, run_page
 
@@ -97,15 +96,15 @@ class _Pages:
         return await self._of_run(request, episode)
 
     async def events(self, request: Request) -> Response:
-        return _stream(lambda: (self._folder.stamp(), ()))
+        return _stream(self._folder.look)
 
     async def run_events(self, request: Request) -> Response:
-        def stamp() -> tuple[Any, Any]:
-            # A folder that vanished has a stamp of its own, so that the page hears of it.
+        def look() -> Look:
+            # A folder that vanished looks like no other, so that the page hears of it.
             found = self._folder.run(request.query_params.get("name", ""))
-            return found.stamp() if found else ((), ())
+            return found.look() if found else Look((), "gone", due=False, progress=())
 
-        return _stream(stamp)
+        return _stream(look)
 
     async def _of_run(self, request: Request, answer: Callable[[Watched], Response]) -> Response:
         def found() -> Response:
@@ -138,20 +137,36 @@ def _page(text: str) -> Response:
     return HTMLResponse(text, headers={"content-security-policy": _POLICY})
 
 
-def _stream(stamp: Callable[[], tuple[Any, Any]]) -> Response:
+def _stream(look: Callable[[], Look]) -> Response:
     """Return a stream of `changed` (all is new) and `progress` (only how far it is)."""
 
-    async def changes() -> AsyncIterator[dict[str, str]]:
-        before = await run_in_threadpool(stamp)
-        # Whoever comes back after the server was away looks again.
-        yield {"event": "changed", "data": ""}
-        while True:
-            await asyncio.sleep(_LOOK_SECONDS)
-            now = await run_in_threadpool(stamp)
-            if now[0] != before[0]:
-                yield {"event": "changed", "data": ""}
-            elif now != before:
-                yield {"event": "progress", "data": ""}
-            before = now
+    async def events() -> AsyncIterator[dict[str, str]]:
+        async for name in changes(look):
+            yield {"event": name, "data": ""}
 
-    return EventSourceResponse(changes(), ping=_PING_SECONDS)
+    return EventSourceResponse(events(), ping=_PING_SECONDS)
+
+
+async def changes(look: Callable[[], Look], seconds: float = _LOOK_SECONDS) -> AsyncIterator[str]:
+    """Yield `changed` when a page is out of date and asking brings what is new, else `progress`.
+
+    A change within the rest after a reading is told when the rest is over: whoever asks earlier is
+    given what was read before it. It is told again for as long as nobody asks.
+
+    Args:
+        look: what is new.
+        seconds: between two looks.
+    """
+    # Whoever comes back after the server was away looks again.
+    yield "changed"
+    before = await run_in_threadpool(look)
+    told = {before.read, before.now} if before.due else {before.read}
+    while True:
+        await asyncio.sleep(seconds)
+        now = await run_in_threadpool(look)
+        if now.due or now.read not in told:
+            told = {now.read, now.now} if now.due else {now.read}
+            yield "changed"
+        elif now.progress != before.progress:
+            yield "progress"
+        before = now

@@ -7,7 +7,7 @@ import os
 import shlex
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -29,6 +29,23 @@ Stamp = tuple[tuple[int, int], ...]
 """Times of change and sizes of some files."""
 
 
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a page that shows a run, or several, is up to date with.
+
+    Attributes:
+        now: changes when what is shown does.
+        read: what `now` was when it was last read.
+        due: whether it would be read now if it were asked for: it is new, and the rest is over.
+        progress: changes when the progress does.
+    """
+
+    now: Hashable
+    read: Hashable
+    due: bool
+    progress: Hashable
+
+
 @dataclass(slots=True)
 class Watched:
     """A run folder as it was last read.
@@ -46,7 +63,7 @@ class Watched:
     run: Run | None = None
     error: str = ""
     progress: Progress | None = None
-    _stamp: Stamp = ()
+    _stamp: Hashable = ()
     _rested: float = 0.0
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
@@ -57,17 +74,19 @@ class Watched:
         # A clock may differ a little; what is told far ahead of now would go on without end.
         return bool(told and not told.over and abs(time.time() - told.time) < _QUIET_SECONDS)
 
-    def stamp(self) -> tuple[Stamp, Stamp]:
-        """Return what changes when the ledger does, and when the progress does."""
+    def look(self) -> Look:
+        """Return what is new in its files, without reading them."""
         files = RunFolder(self.path)
         log = files.ledger.with_name(files.ledger.name + "-wal")
-        return _stamp(files.manifest, files.ledger, log), _stamp(files.progress)
+        now = _stamp(files.manifest, files.ledger, log)
+        waits = self._lock.locked() or time.monotonic() < self._rested
+        return Look(now, self._stamp, now != self._stamp and not waits, _stamp(files.progress))
 
     def read(self) -> Watched:
         """Bring it up to date, unless it was read a moment ago; returns itself."""
         with self._lock:
             self.progress = read_progress(RunFolder(self.path).progress)
-            stamp, _ = self.stamp()
+            stamp = self.look().now
             began = time.monotonic()
             if stamp == self._stamp or began < self._rested:
                 return self
@@ -115,9 +134,15 @@ class ServedFolder:
         """Return the run of a name that `runs` would list; a name is never taken for a path."""
         return next((one for one in self.runs() if one.name == name), None)
 
-    def stamp(self) -> tuple[tuple[str, tuple[Stamp, Stamp]], ...]:
-        """Return what changes when anything in the folder does."""
-        return tuple((one.name, one.stamp()) for one in self.runs())
+    def look(self) -> Look:
+        """Return what is new anywhere in the folder; the progress of a run, too, is shown."""
+        looks = {one.name: one.look() for one in self.runs()}
+        return Look(
+            now=tuple((name, one.now, one.progress) for name, one in looks.items()),
+            read=tuple((name, one.read, one.progress) for name, one in looks.items()),
+            due=any(one.due for one in looks.values()),
+            progress=(),
+        )
 
     def _found(self) -> Iterator[tuple[str, Path]]:
         count = 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import secrets
 from collections.abc import Collection
 from http.cookies import CookieError, SimpleCookie
+from ipaddress import ip_address
 from urllib.parse import parse_qs, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -27,7 +28,9 @@ class Guard:
     """ASGI middleware that refuses what is not meant for this server.
 
     A page of another origin cannot read an answer, but a name that its owner lets point to this
-    machine could (DNS rebinding); so the host that was asked for has to be ours.
+    machine could (DNS rebinding); so the host that was asked for has to be ours. An address is no
+    such name. Which addresses lead here, a machine within a container or behind a router does not
+    know, so with a token any will do.
 
     Args:
         app: that is guarded.
@@ -69,7 +72,8 @@ class Guard:
         if method not in ("GET", "HEAD"):
             return 405, "this server only shows; it takes GET and HEAD"
         host = headers.get("host", "")
-        if _name_of(host) not in self._hosts:
+        name = _name_of(host)
+        if name not in self._hosts and not (self._token and _is_address(name)):
             return 421, f"this server is not {host[:100]!r}; name it with --host"
         origin = headers.get("origin")
         if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
@@ -101,6 +105,14 @@ def _name_of(host: str) -> str:
         return (urlsplit(f"//{host}").hostname or "").lower()
     except ValueError:
         return ""
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ip_address(name)
+    except ValueError:
+        return False
+    return True
 
 
 def _same(given: str, wanted: str) -> bool:

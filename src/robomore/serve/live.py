@@ -11,13 +11,14 @@ from urllib.parse import urlencode
 
 from markupsafe import Markup
 
+from robomore.monitor.remaining import roughly
 from robomore.report.heatmap import heatmap
 from robomore.report.page import templates
 from robomore.report.plots import best_so_far, fitness_over_volume
 from robomore.report.replays import kept_policies
 from robomore.runs import Run
 from robomore.runs.grid import grids
-from robomore.runs.words import duration, in_unit
+from robomore.runs.words import duration, in_unit, number
 from robomore.serve.folder import Watched, why_not_shown
 from robomore.text import sanitize
 
@@ -123,10 +124,10 @@ def line(one: Watched) -> Line:
         address=f"/run?{urlencode({'name': one.name})}",
         state=_state(one),
         best=in_unit(score.mean, run.objective, run.fitness_unit) if run and score else "",
-        ratio=f"{run.ratio.mean:.2f}\N{MULTIPLICATION SIGN}" if run and run.ratio else "",
+        ratio=f"{number(run.ratio.mean, 3)}\N{MULTIPLICATION SIGN}" if run and run.ratio else "",
         measured=f"{sum(counts.values())}" + (f", {failed} failed" if failed else ""),
         far=told.elapsed / max(1e-9, told.elapsed + left) if told and left is not None else None,
-        left=f"about {_roughly(left)}" if left else "",
+        left=f"about {roughly(left)}" if left else "",
     )
 
 
@@ -160,10 +161,3 @@ def _moving(name: str, run: Run) -> list[tuple[str, str]]:
         (f"/run/replay?{urlencode({'name': name, 'key': key})}", said)
         for key, said in found.items()
     ]
-
-
-def _roughly(seconds: float) -> str:
-    """Return a duration without digits that an estimate does not have."""
-    if seconds < 90:
-        return f"{max(10, round(seconds, -1)):.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -18,6 +18,8 @@ from robomore.serve.guard import LOOPBACK
 
 _POLITE = 5
 """Added to this process's niceness, so that runs come first."""
+_EVERY = {"0.0.0.0": "192.0.2.1", "::": "2001:db8::1"}
+"""Hosts that mean all interfaces, and a foreign address that nobody has (RFC 5737, 3849)."""
 
 
 def serve(root: Path, host: str, port: int, tell: Callable[[str], None]) -> None:
@@ -40,9 +42,8 @@ def serve(root: Path, host: str, port: int, tell: Callable[[str], None]) -> None
         names |= {socket.gethostname(), socket.getfqdn()}
     with suppress(OSError, AttributeError):  # not on every system
         os.nice(_POLITE)
-    shown = f"[{host}]" if ":" in host else host
-    if host in ("0.0.0.0", "::"):
-        shown = socket.gethostname()
+    shown = _own_address(host) if host in _EVERY else host
+    shown = f"[{shown}]" if ":" in shown else shown
     tell(f"http://{shown}:{taken}/" + (f"?token={token}" if token else ""))
     config = uvicorn.Config(
         application(root, names, token),
@@ -54,6 +55,19 @@ def serve(root: Path, host: str, port: int, tell: Callable[[str], None]) -> None
         lifespan="off",
     )
     uvicorn.Server(config).run(sockets=[listening])
+
+
+def _own_address(host: str) -> str:
+    """Return the address by which others reach this machine, its name where there is none.
+
+    Many machines of a network cannot look a bare name up.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as found:
+        # Of a datagram socket, this chooses the interface and sends nothing.
+        found.connect((_EVERY[host], 9))
+        return str(found.getsockname()[0])
+    return socket.gethostname()
 
 
 def _listening(host: str, port: int) -> socket.socket:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robomore.errors import InputError
+from robomore.options import settings_words
 from robomore.runs import Comparison, Run
 from robomore.runs.grid import grids
 from robomore.runs.progress import progress
@@ -74,9 +75,16 @@ def best_so_far(run: Run | Comparison, ax: Axes | None = None) -> Axes:
         ax: to draw on; a new figure by default.
 
     Raises:
-        InputError: nothing has been trained, or Matplotlib is not installed.
+        InputError: nothing has been trained, the runs compared different things, or Matplotlib is
+            not installed.
     """
     runs = [run] if isinstance(run, Run) else list(run.runs)
+    compared = dict.fromkeys(label(one.objective, one.fitness_unit) for one in runs)
+    if len(compared) > 1:
+        raise InputError(
+            f"the runs compared different things ({', '.join(compared)}), which have no axis in "
+            "common; draw those of one objective"
+        )
     lines = [(one, points) for one in runs if (points := progress(one))]
     if not lines:
         raise InputError("nothing has been trained yet; wait, or run it on")
@@ -93,15 +101,20 @@ def best_so_far(run: Run | Comparison, ax: Axes | None = None) -> Axes:
             if level:
                 ax.axhline(level.mean, linestyle="--", color=REFERENCE, label="reference design")
         else:
-            name = f"{manifest.settings.method.name}, seed {manifest.seed}"
-            ax.step(steps, best, where="post", label=name)
-    first = lines[0][0]
+            words = [manifest.settings.method.name, f"seed {manifest.seed}"]
+            words += [one.task.title] if len({r.task.title for r in runs}) > 1 else []
+            words += [_settings(one)] if len(set(map(_settings, runs))) > 1 else []
+            ax.step(steps, best, where="post", label=", ".join(words))
     ax.set(
         xlabel="control steps of training in the search",
-        ylabel=label(first.objective, first.fitness_unit),
+        ylabel=next(iter(compared)),
     )
     ax.legend()
     return ax
+
+
+def _settings(run: Run) -> str:
+    return settings_words(run.manifest.preset, run.manifest.settings, run.budget_steps)
 
 
 def fitness_over_volume(run: Run, ax: Axes | None = None) -> Axes:
