@@ -124,7 +124,9 @@ def line(one: Watched) -> Line:
         address=f"/run?{urlencode({'name': one.name})}",
         state=_state(one),
         best=in_unit(score.mean, run.objective, run.fitness_unit) if run and score else "",
-        ratio=f"{number(run.ratio.mean, 3)}\N{MULTIPLICATION SIGN}" if run and run.ratio else "",
+        ratio=f"{number(run.headline.mean, 3)}\N{MULTIPLICATION SIGN}"
+        if run and run.headline
+        else "",
         measured=f"{sum(counts.values())}" + (f", {failed} failed" if failed else ""),
         far=told.elapsed / max(1e-9, told.elapsed + left) if told and left is not None else None,
         left=f"about {roughly(left)}" if left else "",
