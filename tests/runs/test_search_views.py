@@ -15,10 +15,10 @@ from robomore.events import Cut
 from robomore.plan import Plan, Stage
 from robomore.report.page_data import page_data
 from robomore.runs import load_run
+from robomore.runs.cost import Cost
 from robomore.runs.empty import EmptySlot, lines_without
 from robomore.runs.grid import grids
 from robomore.runs.progress import progress
-from robomore.runs.run import Cost
 from robomore.store import Ledger
 from robomore.store.schema import Proposal
 from robomore.types import Design, MethodSettings, Place, Slot, Status

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from robomore.errors import InputError
 from robomore.plan import Plan
-from robomore.runs.lineage import trained_steps
+from robomore.runs.cost import trained_steps
 from robomore.search import Final
 from robomore.store import Ledger
 from robomore.text import to_json

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from robomore.identity import same_training
 from robomore.types import Evaluation, Place
 
 
@@ -51,34 +49,3 @@ def ancestry(key: str, records: Sequence[Record]) -> tuple[Record, ...]:
         found.append(by_key[key])
         key = by_key[key].place.parent
     return tuple(reversed(found))
-
-
-def trained_steps(evaluations: Iterable[Evaluation]) -> int:
-    """Return the control steps of training that evaluations took; what was continued counts once.
-
-    A training that went on from rung to rung has an evaluation for each, of the same steps. One
-    that failed counts in full, as it does for a budget: how far it came is not known.
-    """
-    longest: dict[object, int] = {}
-    for evaluation in evaluations:
-        training = same_training(evaluation)
-        longest[training] = max(evaluation.job.steps, longest.get(training, 0))
-    return sum(longest.values())
-
-
-def spent_seconds(evaluations: Iterable[Evaluation]) -> dict[str, float]:
-    """Return the core-seconds that each evaluation took with the rungs that it went on from.
-
-    Args:
-        evaluations: of one run, those after each rung too.
-
-    Returns:
-        Core-seconds by the evaluation's key.
-    """
-    found: dict[str, float] = {}
-    spent: defaultdict[object, float] = defaultdict(float)
-    for evaluation in sorted(evaluations, key=lambda one: one.job.steps):
-        training = same_training(evaluation)
-        spent[training] += evaluation.seconds
-        found[evaluation.key] = spent[training]
-    return found

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 from robomore.errors import InputError
 from robomore.llm import Spending
 from robomore.plan import Plan
+from robomore.runs.cost import Cost, spent_seconds, trained_steps
 from robomore.runs.empty import EmptySlot
 from robomore.runs.failures import Failure, failures_of
-from robomore.runs.lineage import Record, ancestry, best_of, spent_seconds, trained_steps
+from robomore.runs.lineage import Record, ancestry, best_of
 from robomore.runs.pairs import Pairs, crossed_pairs
 from robomore.runs.pareto import covered, pareto_set
 from robomore.runs.table import Row, dataframe, rows
@@ -34,21 +35,6 @@ if TYPE_CHECKING:
 
 FEWEST_FOR_HEADLINE = 3
 """Training seeds that trained, on either side, below which no ratio is put into a headline."""
-
-
-@dataclass(frozen=True, slots=True)
-class Cost:
-    """What a run has spent: every training counts once, wherever it was asked for.
-
-    Attributes:
-        evaluations: that were asked for.
-        steps: control steps of training.
-        core_seconds: of training and measuring, after each rung of screening too.
-    """
-
-    evaluations: int
-    steps: int
-    core_seconds: float
 
 
 @dataclass(frozen=True, kw_only=True)
