@@ -87,3 +87,11 @@ def test_screening_finds_the_recorded_best_for_a_third_of_the_steps() -> None:
     *_, recall, best, worth, share, kept = line.split()
     assert (recall, best, worth, kept) == ("1.00", "6", "1.000", "yes")
     assert float(share) <= 1 / 3
+
+
+def test_morphologies_first_finds_the_best_of_half_cheetahs_grid_for_less() -> None:
+    told = run("morphologies_first.py").splitlines()
+    rows = {line[:54].strip(): [float(word) for word in line[54:].split()] for line in told[3:]}
+    halving, first, *_ = rows.values()
+    assert first[:2] == [1.0, 1.0]
+    assert halving[1] < 1.0 and first[2] < halving[2]
