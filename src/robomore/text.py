@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -42,6 +43,12 @@ def text_only(text: str) -> str:
 def shortened(text: str, most: int = 100) -> str:
     """Return `text` cut to `most` characters, for where a picture has room for no more."""
     return text if len(text) <= most else f"{text[: most - 1]}\N{HORIZONTAL ELLIPSIS}"
+
+
+def listed(names: Sequence[str], most: int = 3) -> str:
+    """Return the first `most` names with commas, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
 
 
 def encodable(text: str) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 
 from robomore.errors import InputError
 from robomore.plain_files import PlainFolder, cannot_write, is_plain_name
-from robomore.text import to_json
+from robomore.text import listed, to_json
 
 RECORD = "export.json"
 """Lists what an export wrote; its presence says that the folder is one."""
@@ -57,8 +57,8 @@ def ensure_free(to: Path, force: bool) -> None:
             files.check(name, depth=4)
     if changed := _changed(files):
         raise InputError(
-            f"{to} holds files that were changed after they were exported ({_few(changed)}); move "
-            f"them away, or {_REMEDY}"
+            f"{to} holds files that were changed after they were exported ({listed(changed)}); "
+            f"move them away, or {_REMEDY}"
         )
 
 
@@ -84,7 +84,7 @@ def write_all(to: Path, content: Mapping[str, bytes], facts: Mapping[str, Any]) 
     earlier = _listed(files)
     if taken := [name for name in content if name not in earlier and files.kind(name)]:
         raise InputError(
-            f"{to} holds files of your own where the export has one ({_few(taken)}); move them "
+            f"{to} holds files of your own where the export has one ({listed(taken)}); move them "
             f"away, or {_REMEDY}"
         )
     try:
@@ -135,10 +135,6 @@ def _above(name: str) -> list[str]:
     """Return the folders in which a file lies, the innermost last."""
     parts = name.split("/")
     return ["/".join(parts[:count]) for count in range(1, len(parts))]
-
-
-def _few(names: list[str]) -> str:
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
 def _is_export(files: PlainFolder) -> bool:

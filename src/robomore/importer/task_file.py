@@ -25,6 +25,7 @@ from robomore.importer.task_table import TaskTable, number_faults, parameter_fau
 from robomore.tasks.fitness import Fitness
 from robomore.tasks.portable import FitnessTerm, make_fitness
 from robomore.tasks.task import Parameter, Task
+from robomore.text import listed
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +85,9 @@ def _plan(table: TaskTable, robot: Robot, path: Path) -> Plan:
             # A name may hold brackets, which would stand for one of several characters.
             matching = [pattern] if pattern in known else fnmatch.filter(known, pattern)
             if not matching:
-                faults.append(f"{where}: nothing is called {pattern!r}; there are {_list(known)}")
+                faults.append(
+                    f"{where}: nothing is called {pattern!r}; there are {listed(known, 30)}"
+                )
             found += [name for name in matching if name not in found]
         return tuple(found)
 
@@ -207,8 +210,3 @@ def _fitness(table: TaskTable) -> Fitness:
             for one in terms
         ]
     return make_fitness(terms)
-
-
-def _list(names: list[str]) -> str:
-    shown = ", ".join(names[:30])
-    return shown + (f" and {len(names) - 30} more" if len(names) > 30 else "")

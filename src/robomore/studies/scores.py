@@ -15,12 +15,11 @@ from robomore.statistics.spread import FEWEST
 from robomore.studies.remeasured import incumbents
 from robomore.studies.study import Draw, Results
 from robomore.studies.table import Entry, Table
+from robomore.text import listed
 from robomore.visualize.studies import curves
 
 POINTS = 60
 """Budgets at which a curve is read."""
-_MOST_NAMES = 3
-"""Of runs that a figure names."""
 
 
 def found_table(results: Results) -> Table:
@@ -129,11 +128,7 @@ def _measured(results: Results, run: Run) -> bool:
 
 
 def _left_out(names: Sequence[str]) -> str:
-    if not names:
-        return ""
-    others = len(names) - _MOST_NAMES
-    more = f" and {others} more" if others > 0 else ""
-    return f"left out, not measured again: {', '.join(names[:_MOST_NAMES])}{more}"
+    return f"left out, not measured again: {listed(names)}" if names else ""
 
 
 def _curve(results: Results, runs: Sequence[Run]) -> list[tuple[float, float]]:

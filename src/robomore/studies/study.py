@@ -15,6 +15,7 @@ from robomore.search.final import stage as final_stage
 from robomore.settings import RunSettings
 from robomore.studies.table import Table
 from robomore.tasks import get_task
+from robomore.text import listed
 from robomore.types import Design, Morphology, Reward
 
 if TYPE_CHECKING:
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
 Draw = Callable[["Axes | None"], "Axes"]
 """Draws one figure on the given axes, or on new ones."""
 
-
-_MOST_NAMES = 3
-"""Of runs that a sentence names."""
 
 PROPOSED = {
     "method_options": {"screening": "none", "reference_reward": "out", "slim_reference": "out"}
@@ -243,11 +241,9 @@ def _left_out(results: Results) -> str:
     if not results.others:
         return ""
     count = len(results.others)
-    named = ", ".join(results.others[:_MOST_NAMES])
-    more = f" and {count - _MOST_NAMES} more" if count > _MOST_NAMES else ""
     return (
         f"This table covers only what its call named: {', '.join(results.arms)} on "
         f"{', '.join(results.tasks)}. Left out {'is' if count == 1 else 'are'} {count} other "
-        f"run{'' if count == 1 else 's'} in the same folder ({named}{more}); a call that names "
-        "those too tells of all, and repeats none."
+        f"run{'' if count == 1 else 's'} in the same folder ({listed(results.others)}); a call "
+        "that names those too tells of all, and repeats none."
     )
